@@ -32,7 +32,9 @@ def test_whitened_energy_and_determinant_are_those_of_the_covariance(error):
     assert energy.mean() == pytest.approx(N, rel=0.03)
     exact = np.sum(drawn * np.linalg.solve(S, drawn), axis=0)
     assert np.corrcoef(energy, exact)[0, 1] > 0.97
-    assert error.log_determinant(N) == pytest.approx(np.linalg.slogdet(S)[1], abs=0.02 * N)
+    assert error.log_determinant(np.ones(N, bool)) == pytest.approx(
+        np.linalg.slogdet(S)[1], abs=0.02 * N
+    )
 
 
 def test_the_coloured_error_has_parts_from_the_fastest_to_the_slowest():
@@ -50,7 +52,7 @@ def test_a_law_that_errs_on_a_scale_of_its_own_is_not_thought_much_less_likely(m
     S = error.white**2 * np.eye(n) + error.coloured**2 * coloured(memory, n)
     y = np.linalg.cholesky(S) @ np.random.default_rng(4).standard_normal((n, 20))
     own = np.sum(y * np.linalg.solve(S, y), axis=0).mean() + np.linalg.slogdet(S)[1]
-    told = np.sum(error.whitened(y) ** 2, axis=0).mean() + error.log_determinant(n)
+    told = np.sum(error.whitened(y) ** 2, axis=0).mean() + error.log_determinant(np.ones(n, bool))
     assert 0.5 * (told - own) < 60.0
 
 
@@ -117,3 +119,24 @@ def test_another_explanation_errs_by_up_to_what_is_unexplained_grown_alike():
     assert levels([y], [1.0], np.full(N, np.nan)) == pytest.approx([0.2, 0.4, 0.8])
     right = LawError(Error(0.1, 0.0, 9.0), Motion.of(y), 0.0).on([y], [1.0], y)
     assert right.another == (right.right,)
+
+
+@pytest.mark.parametrize(
+    "error", [Error(0.3, 1.0, 40.0), Error(0.5, 0.8, 200.0, 5.0), Error(1.0, 0.0, 1.0)]
+)
+def test_of_missing_samples_neither_energy_nor_determinant_is_counted(error):
+    """Against the rows and columns of the dense covariance that belong to known samples."""
+    n = 300
+    rng = np.random.default_rng(8)
+    known = rng.random(n) < 0.6
+    pole = (error.memories - 1.0) / (error.memories + 1.0)
+    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    S = error.white**2 * np.eye(n)
+    S += error.coloured**2 * np.mean([np.power(a, apart, where=True) for a in pole], axis=0)
+    S = S[np.ix_(known, known)]
+    signals = rng.standard_normal((n, 2))
+    whitened = error.whitened(signals, known)
+    expected = np.linalg.solve(S, signals[known])
+    np.testing.assert_allclose(whitened.T @ whitened, signals[known].T @ expected, rtol=1e-9)
+    assert error.log_determinant(known) == pytest.approx(np.linalg.slogdet(S)[1], abs=1e-8)
+    np.testing.assert_array_equal(error.whitened(signals[:, 0], known), whitened[:, 0])

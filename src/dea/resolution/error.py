@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dea.resolution.innovations import innovation_variances, innovations
+
 # Ratio of the memories of neighbouring parts of the coloured error, at most.
 _RATIO = 3.0
 
@@ -39,7 +41,7 @@ class Error:
 
     def deviations(self, samples: int) -> np.ndarray:
         """Return the standard deviation of each cosine of a record, shape (samples,)."""
-        pole = (self.memories - 1.0) / (self.memories + 1.0)
+        pole = self._poles
         cosine = np.cos(np.pi * np.arange(samples) / samples)[:, None]
         shapes = (1.0 - pole**2) / (1.0 - 2.0 * pole * cosine + pole**2)
         result: np.ndarray = np.sqrt(self.white**2 + self.coloured**2 * shapes.mean(axis=1))
@@ -51,10 +53,24 @@ class Error:
         parts = 1 + int(np.ceil(np.log(self.memory / self.fastest) / np.log(_RATIO)))
         return np.geomspace(self.fastest, self.memory, parts)
 
-    def whitened(self, signals: np.ndarray) -> np.ndarray:
-        """Return signals, (n,) or (n, m), as uncorrelated numbers in units of the error."""
+    @property
+    def _poles(self) -> np.ndarray:
+        return (self.memories - 1.0) / (self.memories + 1.0)
+
+    def whitened(self, signals: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
+        """Return signals, (n,) or (n, m), as uncorrelated numbers in units of the error.
+
+        Where some samples are not ``known`` (n, bool), as many numbers as there are known ones:
+        their innovations.
+        """
         from scipy.fft import dct
 
+        if known is not None and not known.all():
+            variances, gains = self._filter(known)
+            columns = signals.reshape(signals.shape[0], -1).astype(float)
+            found = innovations(columns, known, gains, self._poles)
+            found /= np.sqrt(variances[known])[:, None]
+            return found.reshape(-1, *signals.shape[1:])
         scales = self.deviations(signals.shape[0])
         cosines = dct(signals, axis=0, norm="ortho")
         result: np.ndarray = (cosines.T / scales).T
@@ -72,6 +88,13 @@ class Error:
         """Return the same error in a record that is sampled ``factor`` times as fast."""
         return replace(self, memory=factor * self.memory, fastest=factor * self.fastest)
 
-    def log_determinant(self, samples: int) -> float:
-        """Return the logarithm of the determinant of its covariance over a record."""
-        return 2.0 * float(np.sum(np.log(self.deviations(samples))))
+    def log_determinant(self, known: np.ndarray) -> float:
+        """Return the logarithm of the determinant of its covariance at known samples (n, bool)."""
+        if not known.all():
+            return float(np.sum(np.log(self._filter(known)[0][known])))
+        return 2.0 * float(np.sum(np.log(self.deviations(known.size))))
+
+    def _filter(self, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        poles = self._poles
+        coloured = np.full(poles.size, self.coloured**2 / poles.size)
+        return innovation_variances(known, self.white**2, coloured, poles)

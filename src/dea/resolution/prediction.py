@@ -31,14 +31,15 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
 
         log p = -(|r|² + (x - m)' P⁻¹ (x - m) + log |I + L' J' J L| + log |R| + n log 2π) / 2
 
-    at the x that minimises the first two terms, where L L' = P. It is exact where the output is
-    linear in x. It is zero where the simulation diverges at the mean and all the way to the nominal
-    coordinates.
+    at the x that minimises the first two terms, where L L' = P and n counts the samples that are
+    not missing. It is exact where the output is linear in x. It is zero where the simulation
+    diverges at the mean and all the way to the nominal coordinates.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import least_squares
 
     problem, extended = as_problem(record), explanation.extended
+    known, samples = problem.known, int(np.count_nonzero(problem.known))
     every = np.arange(explanation.mean.size)
     L = explanation.root
     precise = solve_triangular(L, np.eye(every.size), lower=True)
@@ -48,12 +49,13 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
 
     def cost(x: np.ndarray) -> np.ndarray:
         left = residual(x)
-        whitened = error.whitened(left) if np.isfinite(left).all() else np.full(left.size, np.inf)
+        bounded = np.isfinite(left).all()
+        whitened = error.whitened(left, known) if bounded else np.full(samples, np.inf)
         return np.concatenate([whitened, precise @ (x - explanation.mean)])
 
     def slope(x: np.ndarray) -> np.ndarray:
         J = sensitivities(problem, extended, x, residual(x), every)
-        return np.vstack([error.whitened(J), precise])
+        return np.vstack([error.whitened(J, known), precise])
 
     low, high = extended.bounds
     starts = [np.clip(k * explanation.mean, low + _INSIDE, high - _INSIDE) for k in _STARTS]
@@ -64,10 +66,9 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
     found = least_squares(
         cost, start, jac=slope, bounds=(low, high), x_scale=scales, max_nfev=_ITERATIONS
     )
-    samples = record.u.size
     J = found.jac[:samples]
     JL = J @ L
     _, spread = np.linalg.slogdet(np.eye(every.size) + JL.T @ JL)
-    total = 2.0 * found.cost + spread + error.log_determinant(samples) + samples * np.log(2 * np.pi)
+    total = 2.0 * found.cost + spread + error.log_determinant(known) + samples * np.log(2 * np.pi)
     precision = J.T @ J + precise.T @ precise
     return Predicted(-0.5 * float(total), explanation.informed(found.x, precision))
