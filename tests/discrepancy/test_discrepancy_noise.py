@@ -9,7 +9,7 @@ from scipy.signal import lfilter, periodogram
 from scipy.stats import kurtosis, norm
 
 from dea.discrepancy.evidence.colour import is_coloured_noise, is_white, predictable
-from dea.discrepancy.evidence.noise import quantisation, white_level
+from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.problem import Problem
 from dea.missing import runs
 
@@ -297,3 +297,15 @@ def test_short_gaps_do_not_cut_blocks():
         np.zeros(100), np.zeros(100), 0.02, seen & measured, seen & False, ~seen, measured=measured
     )
     assert runs(problem.bridged) == [slice(11, 50), slice(59, 85)]
+
+
+def test_readings_that_a_limit_holds_are_told_from_those_of_a_coarse_converter():
+    rng = np.random.default_rng(12)
+    fine = np.sin(0.02 * np.arange(2000)) + 0.02 * rng.standard_normal(2000)
+    held = np.minimum(fine, 0.5)
+    found = at_a_limit(held)
+    assert found.sum() == pytest.approx((fine > 0.5).sum(), rel=0.02)
+    assert not found[held < 0.5].any()
+    assert not at_a_limit(fine).any()
+    at_rest = np.where(np.arange(2000) < 500, 0.0, np.round(fine, 1))
+    assert not at_a_limit(np.abs(at_rest)).any()

@@ -27,7 +27,7 @@ from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
-from dea.discrepancy.evidence.noise import quantisation
+from dea.discrepancy.evidence.noise import at_a_limit, quantisation
 from dea.discrepancy.evidence.null import null_gain
 from dea.discrepancy.evidence.presence import (
     Presence,
@@ -127,7 +127,7 @@ def diagnose(
             remedy="Declare its force ports, or offer effects of other ports",
         )
     whole = parts.blocks(problem.bridged, max(problem.size / 8, 64))
-    floor = noise_floor(rounds, whole, problem.known)
+    floor = noise_floor(rounds, whole, problem.known & ~at_a_limit(problem.y))
     floor = max(floor, quantisation(problem.y[problem.known]))
     rounds = unfinish_degenerate(problem, rounds, rules, floor, workers)
     singles, pool = rounds[0].candidates, pool_of(rounds)

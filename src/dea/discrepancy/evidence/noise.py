@@ -16,6 +16,8 @@ _PIECE, _PIECES, _QUIET = 64, 12, 0.5
 _KNOWN = 0.3
 _SLOW = np.array([1.0, 3.0, 4.0, 3.0, 1.0]) / 12.0
 _DRAWS = 8
+# Part of the readings between the extremes that repeat the one before, at most, in a fine record.
+_REPEATED = 0.01
 
 
 def white_level(
@@ -39,7 +41,8 @@ def white_level(
         and np.isfinite(residual[block]).all()
     ]
     if not spectra:
-        return float(np.std(residual[there & np.isfinite(residual)]))
+        usable = there & np.isfinite(residual)
+        return float(np.std(residual[usable if usable.any() else np.isfinite(residual)]))
     quarters = [np.concatenate(halves) for halves in zip(*map(_halved, spectra), strict=True)]
     levels = [_level(quarter) for quarter in quarters]
     level = min(levels)
@@ -56,6 +59,21 @@ def white_level(
         quiet = float(np.quantile(pieces, 0.25))
         level = quiet if quiet < _QUIET * level else level
     return float(np.sqrt(level))
+
+
+def at_a_limit(y: np.ndarray) -> np.ndarray:
+    """Return which readings (n,) a limit holds, whose noise does not show, (n, bool).
+
+    They repeat the largest or the least reading of the record, while readings between hardly ever
+    repeat: those of a coarse converter do, and show its noise all the same.
+    """
+    same = np.diff(y) == 0.0
+    extreme = (y == y.max()) | (y == y.min())
+    repeated = np.concatenate([same, [False]]) | np.concatenate([[False], same])
+    between = same[~extreme[1:]]
+    coarse = between.size > 0 and between.mean() > _REPEATED
+    held: np.ndarray = extreme & repeated & (not coarse)
+    return held
 
 
 def quantisation(y: np.ndarray) -> float:
