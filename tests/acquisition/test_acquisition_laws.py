@@ -233,6 +233,15 @@ def test_nothing_is_driven_unless_somebody_has_armed_it(module, tmp_path):
     assert not module.history
 
 
+def test_signs_of_life_that_come_too_seldom_are_refused(module, tmp_path):
+    """Polled, they are given with the samples."""
+    slow = replace(device(), port=module.port, source=None, sampling_rate=1.0)
+    with pytest.raises(InputError, match="a polled device is given one in 1 s") as caught:
+        acquire(slow, np.zeros(5), tmp_path / "a", replace(SETTINGS, mode="polled"))
+    assert caught.value.field == "safety.heartbeat.period"
+    assert not module.history
+
+
 def test_a_rate_beyond_the_largest_is_refused(module, tmp_path):
     target = described(module, max_rate=30.0)
     with pytest.raises(InputError, match=r"change by 49\.\d+ V/s at sample") as caught:
