@@ -45,7 +45,8 @@ def compare_free_runs(
     tracks
         Results of :func:`dea.tracking.track_parameters` by name.
     u, y
-        The record in physical units, shape (samples,); missing outputs (NaN) are not scored.
+        The record in physical units, shape (samples,); missing outputs (NaN), and the first ones,
+        which a run is given, are not scored.
     window
         Samples of a stretch; a shorter record is one stretch.
 
@@ -76,8 +77,9 @@ def compare_free_runs(
         simulate_varying(tracked.terms, theta, inputs, outputs) for theta in trajectories.values()
     ]
     frozen = [_frozen_error(tracked, theta, signals, stretch) for theta in trajectories.values()]
-    spread = np.var(outputs[seen])
-    error = np.array([np.mean((run - outputs)[seen] ** 2) for run in runs])
+    scored = seen & (np.arange(outputs.size) >= tracked.max_lag)
+    spread, spread_of_stretches = np.var(outputs[scored]), np.var(outputs[seen])
+    error = np.array([np.mean((run - outputs)[scored] ** 2) for run in runs])
     simulated = model.scaling.restore_output(np.stack(runs))
     unknown = np.full((len(tracked.terms), len(tracked.terms)), np.nan)
     own = unknown if tracked.covariance is None else covariance_of(tracked)
@@ -112,7 +114,7 @@ def compare_free_runs(
             ),
             "nmse_frozen": (
                 "simulation",
-                np.array(frozen) / spread,
+                np.array(frozen) / spread_of_stretches,
                 {
                     "units": "1",
                     "long_name": "the same over stretches with parameters held at their middle",
