@@ -92,6 +92,34 @@ def test_refinement_reaches_the_minimum_another_optimiser_finds():
     np.testing.assert_allclose(refined.parameters, oracle.x[:5], rtol=1e-5)
 
 
+def test_pieces_with_starts_of_their_own_are_fitted_as_all_unknowns_at_once_are():
+    """Parameters and covariance, against a general optimiser and the inverse of all its squares."""
+    plant = NarxModel.from_terms({"y(t-1)": 0.6, "y(t-2)": 0.1, "u(t-1)": 0.4, "u(t-2)^2": 0.2})
+    u = np.random.default_rng(21).uniform(-1.0, 1.0, (7, 60))
+    noise = np.random.default_rng(22).standard_normal(u.shape)
+    y = np.array([plant.simulate(each) for each in u]) + 0.05 * noise
+    start = estimate(plant.terms, list(u), list(y), scaling=Scaling())
+    found = refine(start, list(u), list(y))
+
+    def error(unknowns):
+        starts = unknowns[4:].reshape(7, 2)
+        return np.concatenate(
+            [
+                simulate(plant.terms, unknowns[:4], inputs, first) - outputs
+                for inputs, outputs, first in zip(u, y, starts, strict=True)
+            ]
+        )
+
+    oracle = scipy_least_squares(
+        error, np.concatenate([plant.parameters, y[:, :2].ravel()]), jac="3-point",
+        xtol=1e-14, ftol=1e-14, gtol=1e-14,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.parameters, oracle.x[:4], rtol=1e-5)
+    variance = 2.0 * oracle.cost / (y.size - oracle.x.size)
+    expected = variance * np.linalg.inv(oracle.jac.T @ oracle.jac)[:4, :4]
+    np.testing.assert_allclose(found.covariance, expected, rtol=1e-3)
+
+
 def test_refinement_removes_the_bias_of_noisy_outputs():
     model, u, y = record(noise=0.2)
     biased = estimate(model.terms, u, y, scaling=Scaling())

@@ -34,7 +34,7 @@ def test_noise_in_the_equation_is_told_from_noise_on_the_output():
 
 def test_the_covariance_is_the_dense_sandwich_under_noise_in_the_equation():
     run = noisy_equation(300, 4)
-    found = covariance_of_free_runs(PLANT.terms, PLANT.parameters, [run])
+    found = covariance_of_free_runs(PLANT.terms, PLANT.parameters, [run], 3)
     feedback = np.diag(0.7 + 0.2 * run.u[:-1] ** 2, -1)
     through = np.eye(300) - feedback
     driving = through @ run.residual

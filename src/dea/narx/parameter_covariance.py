@@ -37,17 +37,23 @@ class FreeRun(NamedTuple):
     u: Array  # (samples,) or (samples, inputs)
     output: Array  # (samples,)
     residual: Array  # (samples,) measured less simulated
-    slope: Array  # (samples, unknowns) derivative of the output
+    slope: Array  # (samples, parameters) derivative of the output
 
 
-def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[FreeRun]) -> Array:
-    """Return the covariance (unknowns, unknowns) at a minimum of the simulated error.
+def covariance_of_free_runs(
+    terms: Sequence[Term], theta: Array, runs: Sequence[FreeRun], unknowns: int
+) -> Array:
+    """Return the covariance (terms, terms) of the parameters at a minimum of the simulated error.
 
     Parameters
     ----------
     theta
-        Parameters, shape (terms,), the first of the unknowns; the others may be anything that the
-        runs were differentiated by.
+        Parameters, shape (terms,).
+    runs
+        Where each run has unknowns of its own, its slope is what these leave of it by regression:
+        so is the derivative by the parameters when the others are fitted with them.
+    unknowns
+        All that were fitted.
     """
     norms = column_norms(np.vstack([run.slope for run in runs]))
     scaled = [run.slope / norms for run in runs]
@@ -58,7 +64,7 @@ def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[
     for slope, fed_back in zip(scaled, feedback, strict=True):
         energy += noise_energy(noise, _backwards(fed_back, slope))
     count = sum(run.residual.size for run in runs)
-    freedom = count / max(count - norms.size, 1)
+    freedom = count / max(count - unknowns, 1)
     found: Array = freedom * (inverse @ energy @ inverse) / np.outer(norms, norms)
     return found
 

@@ -38,6 +38,16 @@ _DIVERGED = 100.0  # times the largest measured output
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
+class StartedRun(NamedTuple):
+    """A free run over one segment from outputs of its own, normalised."""
+
+    u: Array  # (samples,) or (samples, inputs)
+    output: Array  # (samples,)
+    residual: Array  # (samples,) measured less simulated
+    slope: Array  # (samples, parameters) derivative of the output
+    own: Array  # (samples, starts and trend) the same by what only this run has
+
+
 class Minimum(NamedTuple):
     """Parameters at a minimum of the simulated error."""
 
@@ -172,7 +182,7 @@ class FreeRunFit:
         """Why the covariance gives no intervals, empty where it does."""
         if not np.isfinite(self.msse):
             return ""
-        _, seen, _ = self.objective.told_apart(self.objective.runs(self.unknowns))
+        seen = np.vstack([run.slope for run in self.objective.told_apart(self.unknowns)[0]])
         return withheld_of_equations(seen, self.unknowns.size, np.sqrt(DEPENDENT))
 
 
@@ -211,7 +221,8 @@ def curvature(fit: FreeRunFit) -> float:
     if not np.isfinite(fit.msse):
         return np.inf
     objective = fit.objective
-    slope, seen, follow = objective.told_apart(objective.runs(fit.unknowns))
+    runs, follow = objective.told_apart(fit.unknowns)
+    seen = np.vstack([run.slope for run in runs])
     norms = column_norms(seen)
     covariance = fit.covariance * np.outer(norms, norms)
     middle, largest = objective.outputs(fit.unknowns), 0.0
@@ -222,7 +233,7 @@ def curvature(fit: FreeRunFit) -> float:
             return np.inf
         moved = _ENDS * np.sqrt(variance) * direction / norms
         step = np.concatenate([moved, -follow @ moved])
-        linear = slope @ step
+        linear = seen @ moved
         for sign in (1.0, -1.0):
             apart = objective.outputs(fit.unknowns + sign * step) - middle - sign * linear
             if not np.isfinite(apart).all():
@@ -243,7 +254,10 @@ class _FreeRuns:
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
         error, residual, slope = self._whole.linearise(point.x)
-        return _damped(error, residual, slope) if np.isfinite(error) else None
+        if not np.isfinite(error):
+            return None
+        run = StartedRun(np.empty(0), np.empty(0), residual, slope, np.empty((residual.size, 0)))
+        return _damped(error, [run])
 
 
 class _FreeRunsFromFreeStarts:
@@ -276,9 +290,7 @@ class _FreeRunsFromFreeStarts:
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
         runs = self.runs(point.x)
-        residual = np.concatenate([run.residual for run in runs])
-        slope = np.vstack([run.slope for run in runs])
-        return _damped(float(residual @ residual), residual, slope)
+        return _damped(float(sum(run.residual @ run.residual for run in runs)), runs)
 
     def outputs(self, x: Array) -> Array:
         """Return the runs of all segments with their trends; infinite where one diverges."""
@@ -290,43 +302,39 @@ class _FreeRunsFromFreeStarts:
         ]
         return np.concatenate(parts)
 
-    def runs(self, x: Array) -> list[FreeRun]:
-        """Return the free run of every segment with its derivatives by all unknowns."""
+    def runs(self, x: Array) -> list[StartedRun]:
+        """Return the free run of every segment with its derivatives."""
         theta, starts = self._split(x)
         count, runs = theta.size, []
-        for number, ((u, y), powers, unknown) in enumerate(
-            zip(self._segments, self._trends, starts, strict=True)
-        ):
+        for (u, y), powers, unknown in zip(self._segments, self._trends, starts, strict=True):
             output = np.empty(y.size)
             output[: self._lag] = unknown[: self._lag]
-            own = np.zeros((y.size, count + self._lag))
-            own[: self._lag, count:] = np.eye(self._lag)
+            slope = np.zeros((y.size, count + self._lag))
+            slope[: self._lag, count:] = np.eye(self._lag)
             rows = input_rows(self._terms, u)
-            kernels.run_with_slope(structure(self._terms), theta, rows, output, own, self._bound)
-            slope = np.zeros((y.size, x.size))
-            slope[:, :count] = own[:, :count]
-            first = count + number * self._own
-            slope[:, first : first + self._lag] = own[:, count:]
-            slope[:, first + self._lag : first + self._own] = powers
+            kernels.run_with_slope(structure(self._terms), theta, rows, output, slope, self._bound)
             left = y - output - powers @ unknown[self._lag :]
-            runs.append(FreeRun(u, output, left, slope))
+            own = np.hstack([slope[:, count:], powers])
+            runs.append(StartedRun(u, output, left, slope[:, :count], own))
         return runs
 
     def covariance(self, x: Array) -> Array:
         """Return the covariance of the parameters, as :class:`FreeRunFit` has it."""
-        count = len(self._terms)
-        return covariance_of_free_runs(self._terms, x[:count], self.runs(x))[:count, :count]
+        runs, _ = self.told_apart(x)
+        return covariance_of_free_runs(self._terms, x[: len(self._terms)], runs, x.size)
 
-    def told_apart(self, runs: Sequence[FreeRun]) -> tuple[Array, Array, Array]:
-        """Return the slope, the part by the parameters that starts and trends leave, and how.
+    def told_apart(self, x: Array) -> tuple[list[FreeRun], Array]:
+        """Return runs with the part of their slope that starts and trends leave, and how.
 
-        How: the coefficients of the regression of the former on the columns of starts and trends.
+        How: the coefficients (starts and trends, parameters) of the regression of the slope on the
+        columns of starts and trends, which are zero outside of their own segment.
         """
-        count = len(self._terms)
-        slope = np.vstack([run.slope for run in runs])
-        own, others = slope[:, :count], slope[:, count:]
-        follow = np.asarray(np.linalg.lstsq(others, own, rcond=None)[0], dtype=np.float64)
-        return slope, own - others @ follow, follow
+        told, follow = [], []
+        for run in self.runs(x):
+            by_own = np.linalg.lstsq(run.own, run.slope, rcond=None)[0]
+            told.append(FreeRun(run.u, run.output, run.residual, run.slope - run.own @ by_own))
+            follow.append(by_own)
+        return told, np.vstack(follow)
 
     def _split(self, x: Array) -> tuple[Array, Array]:
         count = len(self._terms)
@@ -339,19 +347,46 @@ def _powers(samples: int, degree: int) -> Array:
     return time[:, None] ** np.arange(1, degree + 1)
 
 
-def _damped(error: float, residual: Array, slope: Array) -> Model:
-    """Return the linearised problem, whose steps are damped in units of each column's norm."""
-    norms = column_norms(slope)
-    scaled = slope / norms
-    energy, directions = np.linalg.eigh(scaled.T @ scaled)
-    energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
-    projected = directions.T @ (scaled.T @ residual)
+def _damped(error: float, runs: Sequence[StartedRun]) -> Model:
+    """Return the linearised problem, whose steps are damped in units of each column's norm.
+
+    The unknowns of one run's own meet those of no other run in the normal equations: they are
+    eliminated run by run, so that many short runs cost no more than one that is as long.
+    """
+    count, own = runs[0].slope.shape[1], runs[0].own.shape[1]
+    squares, descent = np.zeros((count, count)), np.zeros(count)
+    both = np.empty((len(runs), own, count))
+    blocks, falls = np.empty((len(runs), own, own)), np.empty((len(runs), own, 1))
+    for i, run in enumerate(runs):
+        squares += run.slope.T @ run.slope
+        descent += run.slope.T @ run.residual
+        both[i], blocks[i] = run.own.T @ run.slope, run.own.T @ run.own
+        falls[i, :, 0] = run.own.T @ run.residual
+    norms = _roots(np.diag(squares))
+    own_norms = _roots(np.einsum("kii->ki", blocks))[:, :, None]
+    squares, descent = squares / np.outer(norms, norms), descent / norms
+    both, falls = both / own_norms / norms, falls / own_norms
+    blocks = blocks / own_norms / own_norms.transpose(0, 2, 1)
 
     def step(damping: float) -> Array:
-        moved: Array = (directions @ (projected / (energy + damping))) / norms
-        return moved
+        solved = np.linalg.solve(
+            blocks + damping * np.eye(own), np.concatenate([both, falls], axis=2)
+        )
+        by_parameters, by_falls = solved[:, :, :count], solved[:, :, count:]
+        left = squares - np.einsum("koi,koj->ij", both, by_parameters)
+        energy, directions = np.linalg.eigh(left)
+        energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
+        towards = descent - np.einsum("koi,ko->i", both, by_falls[:, :, 0])
+        moved = directions @ (directions.T @ towards / (energy + damping))
+        of_own = by_falls[:, :, 0] - by_parameters @ moved
+        return np.concatenate([moved / norms, (of_own / own_norms[:, :, 0]).ravel()])
 
     return Model(error, step)
+
+
+def _roots(squares: Array) -> Array:
+    """Return roots, 1 for zero."""
+    return np.where(squares > 0.0, np.sqrt(squares), 1.0)
 
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
