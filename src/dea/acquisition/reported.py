@@ -10,11 +10,11 @@ from dea.errors import DeviceError, InputError
 
 
 @contextmanager
-def reported() -> Iterator[None]:
+def reported(ended: str = "ended by SIGINT") -> Iterator[None]:
     """Say in one line why the block failed, and exit.
 
     With 1 for a failed acquisition, 2 for bad input, 3 where the output could not be shown to be at
-    zero, 130 on a signal.
+    zero, 130 on a signal: ``ended`` is what one says that met no drive.
     """
     try:
         yield
@@ -31,7 +31,7 @@ def reported() -> Iterator[None]:
         say(f"ended by {signal}; the output is at zero")
         raise SystemExit(130) from None
     except KeyboardInterrupt:  # where no output is this command's to take to zero
-        say("ended by SIGINT")
+        say(ended)
         raise SystemExit(130) from None
 
 

@@ -262,18 +262,14 @@ def main(arguments: list[str] | None = None) -> None:
     )
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args(arguments)
-    try:
-        with acquisition.reported():
-            for name in options.name:
-                try:
-                    with heard_by(_show), part_of(name):
-                        found = resolve(name, options.operator, options.threads)
-                finally:
-                    _show("")
-                print(said(name, found))
-    except KeyboardInterrupt:
-        print("ended; the same command goes on from the records that there are", file=sys.stderr)
-        raise SystemExit(130) from None
+    with acquisition.reported("ended; the same command goes on from the records that there are"):
+        for name in options.name:
+            try:
+                with heard_by(_show), part_of(name):
+                    found = resolve(name, options.operator, options.threads)
+            finally:
+                _show("")
+            print(said(name, found))
 
 
 if __name__ == "__main__":
