@@ -18,7 +18,9 @@ from dea.plant.hidden.draw import FEWEST, MOST, _draw_noise, _sized, draw, draw_
 from dea.plant.hidden.effect import Port
 from dea.plant.hidden.noise import Noise, NoiseKind
 from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
-from dea.plant.hidden.trial import Trial
+from dea.plant.hidden.trial import HiddenEffect, Trial
+from dea.stages.trial_score import begun
+from dea.trials import Label
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 SEED = 41
@@ -118,6 +120,23 @@ def test_a_record_of_the_drive_begins_where_the_first_command_holds_it():
     )  # fmt: skip
     _, truth = trial.readings(CONFIG, np.full(50, 3.0))
     np.testing.assert_allclose(truth, drive.gain * 3.0 / drive.stiffness, rtol=1e-6)
+
+
+def test_a_drive_s_fault_is_at_the_moment_of_its_record_that_the_scored_label_says(tmp_path):
+    hidden = HiddenEffect("step_fault", "biased_sensor", 0.3, 7, 10.0)
+    conditions = CONDITIONS._replace(duration=10.0)
+    trial = Trial(
+        name="fault", device="drive", factors={}, excitation={"sampling_rate": 50.0, "kind": "-"},
+        conditions=conditions, effects=(hidden,), strength=10.0,
+        noise=Noise(NoiseKind.WHITE, 0.01), seed=1,
+    )  # fmt: skip
+    _, truth = trial.readings(CONFIG, np.full(500, 3.0))
+    first, start = begun(trial, tmp_path)
+    said = Label.of(trial.label(), start).defining["step_fault", "time"]
+    jump = int(np.argmax(np.abs(np.diff(truth))))
+    assert first == 0
+    # The jump takes up to a tenth of a second.
+    assert said == pytest.approx(jump / 50.0, abs=0.12)
 
 
 def test_a_served_trial_keeps_its_truth_whatever_the_cuts():

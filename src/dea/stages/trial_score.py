@@ -40,12 +40,9 @@ def trial_score(
             file = labels_of / f"{name}.json"
             trials.open_seal(file, public["sha256"])
             trial = Trial.read(file)
-            if trial.device == "film":
-                first = int(store.read(records_of / f"{name}.nc")["device_index"][0])
-                true = truth_of / f"{name}.npy"
-            else:
-                first, true = 0, log_truth_of / f"{name}.npy"
-            labels[name] = trials.Label.of(trial.label(), first / trial.sampling_rate)
+            first, start = begun(trial, records_of)
+            true = (truth_of if trial.device == "film" else log_truth_of) / f"{name}.npy"
+            labels[name] = trials.Label.of(trial.label(), start)
             said[name] = _said(trial, verdicts_of, rankings[name], true, first)
     store.write(
         trials.scores(labels, said, family).assign_attrs(contract="scores"),
@@ -55,6 +52,20 @@ def trial_score(
         settings=settings,
         seed=settings["seed"],
     )
+
+
+def begun(trial: "Trial", records: Path) -> tuple[int, float]:
+    """Return where a trial's record begins in its truth, and when on the clock of its laws (s).
+
+    The truth of a film begins with its plant; that of a device that is logged begins with the
+    record, when the plant has settled.
+    """
+    from dea import store
+
+    if trial.device != "film":
+        return 0, trial.kind.settling
+    first = int(store.read(records / f"{trial.name}.nc")["device_index"][0])
+    return first, first / trial.sampling_rate
 
 
 def _said(
