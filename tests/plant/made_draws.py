@@ -9,7 +9,7 @@ from dea.plant.hidden import EFFECTS
 # No two lengths, times or forces are equal, and none is 1.
 UNEVEN = CONDITIONS._replace(
     low=0.7, high=3.9, rest=0.4, bottom=1.3, median=5.1, top=9.8, stiffness=2.3, duration=4.0,
-    time=0.35, cycles=24.0, path=400.0, power=2.0,
+    time=0.35, cycles=24.0, full_cycles=15.0, path=400.0, power=2.0,
 )  # fmt: skip
 SHARES = (0.0, 0.3, 1.0)
 

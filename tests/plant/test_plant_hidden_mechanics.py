@@ -12,7 +12,7 @@ from dea.plant import forces
 from dea.plant.film import SUBSTEP
 
 K, TRAVEL, TIME, REST = UNEVEN.stiffness, UNEVEN.travel, UNEVEN.time, UNEVEN.rest
-BOTTOM, TOP, CYCLES = UNEVEN.bottom, UNEVEN.top, UNEVEN.cycles
+BOTTOM, TOP, CYCLES = UNEVEN.bottom, UNEVEN.top, UNEVEN.full_cycles
 EACH = pytest.mark.parametrize("share", SHARES)
 D = np.linspace(-0.2, 1.0, 2401)  # in travels above the bottom
 
@@ -107,8 +107,8 @@ def logarithm_of_cycles(ratio, d):
 @pytest.mark.parametrize("law", [power_of_cycles, saturating_cycles, logarithm_of_cycles])
 @EACH
 def test_stiffness_is_lost_with_the_number_of_cycles(law, share):
-    for cycles, counted in ((CYCLES, CYCLES), (1.0, 2.0)):
-        made, draws = form(law.__name__, 0.2, share, UNEVEN._replace(cycles=cycles))
+    for cycles, counted in ((CYCLES, CYCLES), (0.5, 1.0)):
+        made, draws = form(law.__name__, 0.2, share, UNEVEN._replace(full_cycles=cycles))
         path = sweep(*[TOP, BOTTOM] * 20, start=BOTTOM, points=100)
         middle = np.arange(40) * 100 + 50
         # A swing counts when the next is longer than a tenth of the travel.
@@ -119,7 +119,7 @@ def test_stiffness_is_lost_with_the_number_of_cycles(law, share):
 
 
 def test_a_loss_ends_at_nine_tenths():
-    made, _ = form("power_of_cycles", 0.8, 1.0, UNEVEN._replace(cycles=2.0))
+    made, _ = form("power_of_cycles", 0.8, 1.0, UNEVEN._replace(full_cycles=2.0))
     path = sweep(*[TOP, BOTTOM] * 8, start=BOTTOM, points=100)
     assert resist(made, path)[-1] == pytest.approx(-0.9 * K * BOTTOM)
 
@@ -150,10 +150,10 @@ def of_narrow_band(order, swing, limit=0.0):
 def test_a_crack_grows_by_paris_law_as_fast_as_the_band_makes_it(share, path_length):
     made, draws = form("paris_crack", 0.2, share, UNEVEN._replace(path=path_length))
     order, longer = draws.at(2.5, 4.0), draws.at(3.0, 8.0)
-    each = min(of_narrow_band(order, path_length / (2.0 * CYCLES * TRAVEL)), 1.0)
-    turns = max(round(CYCLES * each) - 1, 1)
+    each = min(of_narrow_band(order, path_length / (2.0 * UNEVEN.cycles * TRAVEL)), 1.0)
+    turns = max(round(UNEVEN.cycles * each) - 1, 1)
     path = sweep(*[TOP, BOTTOM] * turns, start=BOTTOM, points=60)
-    ratio = 0.5 * np.arange(2 * turns) / (CYCLES * each)
+    ratio = 0.5 * np.arange(2 * turns) / (UNEVEN.cycles * each)
     # da/dN is a power of the root of the length; from the first to the last of the cycles.
     rate = 2.0 / (order - 2.0) * (1.0 - longer ** (1.0 - 0.5 * order))
     grown = solve_ivp(
@@ -169,10 +169,10 @@ def test_a_crack_grows_by_paris_law_as_fast_as_the_band_makes_it(share, path_len
 def test_swings_above_the_limit_take_their_size_over_the_band(share, path_length):
     made, draws = form("endurance_limit", 0.1, share, UNEVEN._replace(path=path_length))
     order, limit = draws.at(3.0, 6.0), draws.at(0.15, 0.35)
-    each = min(of_narrow_band(order, path_length / (2.0 * CYCLES * TRAVEL), limit), 1.0)
+    each = min(of_narrow_band(order, path_length / (2.0 * UNEVEN.cycles * TRAVEL), limit), 1.0)
     path = sweep(*[TOP, BOTTOM] * 3, start=BOTTOM, points=60)
     found = -(resist(made, path) / (K * path))[np.arange(6) * 60 + 30]
-    lost = np.minimum(0.1 * 0.5 * np.arange(6) / (CYCLES * each), 0.9)
+    lost = np.minimum(0.1 * 0.5 * np.arange(6) / (UNEVEN.cycles * each), 0.9)
     np.testing.assert_allclose(found, lost, rtol=2e-3, atol=1e-12)
 
 

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_conditions import CONDITIONS, built
+from made_conditions import CONDITIONS, built, resist
 from scipy.linalg import expm
 
+from dea.excitation import design
 from dea.plant.chamber import Chamber
 from dea.plant.drive import Drive
 from dea.plant.hidden.devices import DEVICES, PlainChamber, PlainDrive
@@ -152,3 +153,23 @@ def test_conditions_say_what_the_excitation_does():
     assert found.cycles == pytest.approx(5.0, abs=4.0)
     assert found.stiffness == Drive().stiffness
     assert type(found) is type(CONDITIONS)
+
+
+def test_swings_count_as_their_share_of_the_travel():
+    kind, ends = DEVICES["drive"], [1.0, 4.0, 2.0, 3.0, 1.0, 2.5, 1.6]
+    # So slow that the angle follows the command; the last swing has not ended.
+    u = np.interp(np.arange(60 * 50) / 50.0, np.arange(7) * 10.0, ends)
+    found = Yardstick(kind, kind.plain(BENCH, {}), u, 50.0, 0.05).conditions()
+    assert found.cycles == 2.5
+    assert found.full_cycles == pytest.approx(0.5 * (3.0 + 2.0 + 1.0 + 2.0 + 1.5) / 3.0, rel=0.02)
+
+
+@pytest.mark.parametrize("form", ["three_stages", "power_of_cycles", "saturating_cycles"])
+def test_softening_by_cycles_reaches_its_size_within_a_record(form):
+    kind = DEVICES["drive"]
+    u = design("gaussian", duration=60.0, sampling_rate=50.0, low=1.0, high=4.0, band=1.5, seed=3)
+    yardstick = Yardstick(kind, kind.plain(BENCH, {}), u, 50.0, 0.05)
+    conditions = yardstick.conditions()
+    law, _ = built("cyclic_softening", form, 0.2, 0, conditions)
+    lost = -resist(law, yardstick.response)[-1] / (law.constants[0] * yardstick.response[-1])
+    assert lost == pytest.approx(0.2, rel=0.05)

@@ -42,7 +42,8 @@ class Conditions(NamedTuple):
     outputs of the plain device without command and its least, median and largest under the
     excitation, ``stiffness`` is its restoring force over displacement (0 where nothing moves),
     ``duration`` and ``time`` (one over the band of the excitation) in s, ``cycles`` the number of
-    swings of at least a tenth of the travel, ``path`` the way travelled, ``power`` the exponent of
+    swings of at least a tenth of the travel, ``full_cycles`` the same with each as its share of the
+    travel, as damage counts them, ``path`` the way travelled, ``power`` the exponent of
     the command in what drives the device, and ``force`` whether forces can act on it.
     """
 
@@ -56,6 +57,7 @@ class Conditions(NamedTuple):
     duration: float
     time: float
     cycles: float
+    full_cycles: float
     path: float
     power: float
     force: bool

@@ -52,6 +52,7 @@ class Yardstick:
         rest, stiffness = self._plain.rest_and_stiffness()
         plain = self.response
         bottom, top = float(plain.min()), float(plain.max())
+        swings = _swings(plain, _SWING * (top - bottom))
         return Conditions(
             low=float(self._commands.min()),
             high=float(self._commands.max()),
@@ -62,7 +63,8 @@ class Yardstick:
             stiffness=stiffness,
             duration=plain.size / self._rate,
             time=self._kind.time,
-            cycles=_cycles(plain, _SWING * (top - bottom)),
+            cycles=0.5 * len(swings),
+            full_cycles=0.5 * sum(swings) / (top - bottom),
             path=float(np.abs(np.diff(plain)).sum()),
             power=self._kind.power,
             force=self._kind.force,
@@ -173,12 +175,15 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _cycles(signal: Array, swing: float) -> float:
-    """Return half the number of swings of at least ``swing``."""
-    count, extreme, direction = 0, float(signal[0]), 1.0
+def _swings(signal: Array, least: float) -> list[float]:
+    """Return the lengths of the swings that one longer than ``least`` ends."""
+    lengths: list[float] = []
+    start = extreme = float(signal[0])
+    direction = 1.0
     for value in signal.tolist():
         if (value - extreme) * direction > 0.0:
             extreme = value
-        elif abs(value - extreme) > swing:
-            count, extreme, direction = count + 1, value, -direction
-    return 0.5 * count
+        elif abs(value - extreme) > least:
+            lengths.append(abs(extreme - start))
+            start, extreme, direction = extreme, value, -direction
+    return lengths

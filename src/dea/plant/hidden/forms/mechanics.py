@@ -118,7 +118,7 @@ def _cycling(
     size: float, conditions: Conditions, shape: int, exponent: float, *others: float
 ) -> Built:
     constants = [
-        conditions.stiffness, size, max(conditions.cycles, 2.0), exponent,
+        conditions.stiffness, size, max(conditions.full_cycles, 1.0), exponent,
         0.1 * conditions.travel, conditions.travel, float(shape), *others,
     ]  # fmt: skip
     return Built(ForceLaw(forces.CYCLES, constants), {})
