@@ -166,12 +166,15 @@ def test_the_error_integral_has_a_gaussian_slope():
     np.testing.assert_allclose(np.log(gain[inside]), np.polyval(parabola, wide[inside]), atol=0.05)
 
 
-def test_the_tube_falls_beyond_its_crest():
-    wide = np.linspace(0.0, 2.0 * HIGH, 8001)
-    passed = through(built("input_saturation", "falling_tube", 0.3)[0], wide)
-    crest = int(np.argmax(passed))
-    assert 0.7 * HIGH < wide[crest] < 1.5 * HIGH
-    assert passed[-1] < passed[crest]
+@pytest.mark.parametrize("size", [0.02, 0.2, 0.45])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_tube_falls_within_the_commands_from_a_crest_at_its_limit(size, seed):
+    commands = np.linspace(LOW, HIGH, 20_001)
+    passed = through(built("input_saturation", "falling_tube", size, seed)[0], commands)
+    limit = HIGH - size * SPAN
+    assert passed.max() == pytest.approx(limit, abs=1e-3 * SPAN)
+    assert 0.0 < (limit - passed[-1]) / (size * SPAN) < 0.1
+    assert passed[0] == LOW
 
 
 @pytest.mark.parametrize(

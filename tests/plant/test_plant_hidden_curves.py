@@ -87,8 +87,10 @@ def error_integral(size, d):
 
 
 def falling_tube(size, d):
-    knee = max(HIGH - 2.0 * size * SPAN, 0.35 * HIGH)
-    room = 2.0 * d.at(0.25, 0.45) * (HIGH - knee)
+    # The crest, a room above the knee, is the limit.
+    last = d.at(2.2, 3.0)
+    knee = HIGH - size * SPAN * last / (last - 1.0)
+    room = HIGH - size * SPAN - knee
     over = np.maximum(U - knee, 0.0) / room
     return np.minimum(U, knee) + room * over / (1.0 + over**2 / 4.0)
 

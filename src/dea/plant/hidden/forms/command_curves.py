@@ -262,10 +262,14 @@ def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built
 
 @reporting("Saleh, IEEE Trans. Commun. 29 (1981) 1715: a tube that saturates and falls again")
 def falling_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Linear to a knee, then Saleh's quotient x/(1 + x²/4): its crest lies at x = 2."""
-    knee = conditions.high - 2.0 * size * conditions.span
-    knee = max(knee, 0.35 * conditions.high)
-    room = rng.uniform(0.25, 0.45) * (conditions.high - knee) / 0.5
+    """Linear to a knee, then Saleh's quotient x/(1 + x²/4) with its crest, of 1 at x = 2.
+
+    The crest lies as far below the range as the limit of others; the largest command is at x of
+    2.2 to 3.
+    """
+    last = rng.uniform(2.2, 3.0)
+    room = size * conditions.span / (last - 1.0)
+    knee = conditions.high - last * room
 
     def quotient(over: Array) -> Array:
         x = over / room
