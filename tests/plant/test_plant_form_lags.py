@@ -47,9 +47,6 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
         assert mean == pytest.approx(defining["delay"] - early, rel=1e-9)
     elif form == "bucket_brigade":
         assert mean == pytest.approx(defining["delay"], rel=0.05)  # and, less, this
-    elif form == "reflecting_line":  # its delay is the first arrival
-        assert mean == pytest.approx(defining["delay"], rel=0.25)
-        assert int(np.argmax(taken > 0.5)) == pytest.approx(defining["delay"] / SUBSTEP, abs=1)
     elif form == "coaxial_cable":  # half of it is there in time, its mean never is
         assert int(np.argmax(taken > 0.5)) == pytest.approx(0.2 / SUBSTEP, abs=2)
     elif form == "laminar_tube":
@@ -119,7 +116,7 @@ def test_the_laminar_stream_arrives_as_danckwerts_says():
 @pytest.mark.parametrize("seed", range(4))
 def test_what_a_line_reflects_arrives_at_odd_multiples(seed):
     taken, defining = response("transport_delay", "reflecting_line", 0.3, seed)
-    assert defining["delay"] == pytest.approx(0.3)
+    assert (1.0 - taken).sum() * SUBSTEP == pytest.approx(defining["delay"], abs=2e-3)
     moments = np.flatnonzero(np.abs(np.diff(taken, prepend=0.0)) > 1e-6)
     np.testing.assert_allclose(moments + 1, 300 * (2 * np.arange(moments.size) + 1), atol=1)
     heights = np.diff(taken, prepend=0.0)[moments]
