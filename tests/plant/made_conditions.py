@@ -13,7 +13,7 @@ from dea.plant.hidden.effect import Conditions
 
 CONDITIONS = Conditions(
     low=1.0, high=4.0, rest=0.0, bottom=1.0, median=6.0, top=11.0, stiffness=2.0, duration=60.0,
-    time=1.0, cycles=30.0, full_cycles=20.0, path=600.0, power=1.0, force=True,
+    time=1.0, cycles=30.0, full_cycles=20.0, path=600.0, rate=100.0, power=1.0, force=True,
 )  # fmt: skip
 
 # Where an offset or an exponent that is forgotten would show.

@@ -195,6 +195,16 @@ def test_a_disturbance_has_its_strongest_line_at_its_frequency(form, seed):
     assert found == pytest.approx(defining["frequency"], abs=0.1 / 6.0)
 
 
+@pytest.mark.parametrize("form", forms("periodic_disturbance"))
+def test_a_disturbance_of_slow_readings_is_below_half_their_rate(form):
+    slow = CONDITIONS._replace(rate=5.0)
+    drawn = [
+        built("periodic_disturbance", form, 0.1, seed, slow)[1]["frequency"] for seed in range(20)
+    ]
+    assert max(drawn) < 2.5
+    assert max(drawn) > 1.0
+
+
 def test_waves_are_what_their_names_say():
     law, defining = built("periodic_disturbance", "rectified_sine", 0.1)
     wave = through(law, np.zeros(SAMPLES))

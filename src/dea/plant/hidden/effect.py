@@ -43,8 +43,9 @@ class Conditions(NamedTuple):
     excitation, ``stiffness`` is its restoring force over displacement (0 where nothing moves),
     ``duration`` and ``time`` (one over the band of the excitation) in s, ``cycles`` the number of
     swings of at least a tenth of the travel, ``full_cycles`` the same with each as its share of the
-    travel, as damage counts them, ``path`` the way travelled, ``power`` the exponent of
-    the command in what drives the device, and ``force`` whether forces can act on it.
+    travel, as damage counts them, ``path`` the way travelled, ``rate`` that of the readings in Hz,
+    ``power`` the exponent of the command in what drives the device, and ``force`` whether forces
+    can act on it.
     """
 
     low: float
@@ -59,6 +60,7 @@ class Conditions(NamedTuple):
     cycles: float
     full_cycles: float
     path: float
+    rate: float
     power: float
     force: bool
 

@@ -66,6 +66,7 @@ class Yardstick:
             cycles=0.5 * len(swings),
             full_cycles=0.5 * sum(swings) / (top - bottom),
             path=float(np.abs(np.diff(plain)).sum()),
+            rate=self._rate,
             power=self._kind.power,
             force=self._kind.force,
         )

@@ -24,8 +24,12 @@ def _harmonics(c: Array, m: Array, y: Array) -> None:
 
 
 def _frequency(conditions: Conditions, rng: Generator) -> float:
-    """Return a frequency from a fifth of the band to six times it."""
-    return float(10.0 ** rng.uniform(-0.7, 0.8) / conditions.time)
+    """Return a frequency from a fifth of the band to six times it.
+
+    It stays so far below half the rate of the readings that its sidebands do too.
+    """
+    most = min(0.8, np.log10(0.4 * conditions.rate * conditions.time))
+    return float(10.0 ** rng.uniform(-0.7, most) / conditions.time)
 
 
 def _wave(
