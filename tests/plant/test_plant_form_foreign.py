@@ -11,7 +11,6 @@ from made_conditions import (
     held,
     resist,
     steady,
-    sweep,
     through,
 )  # fmt: skip
 from scipy.optimize import curve_fit
@@ -118,11 +117,21 @@ def test_readings_are_contaminated_seldom_and_speckle_grows_with_the_signal():
     assert low == pytest.approx(0.1, rel=0.1)
 
 
-def test_a_buckled_strip_pushes_both_ways():
-    felt = resist(built("bistable_snap", "bistable_snap", 0.3)[0], sweep(11.0, start=1.0))
-    largest = 0.3 * CONDITIONS.stiffness * CONDITIONS.travel
-    assert felt.max() > 0.5 * largest
-    assert felt.min() < -0.5 * largest
+@pytest.mark.parametrize("size", [0.005, 0.03, 0.12])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_buckled_strip_leaves_its_device_three_places_within_the_commands(size, seed):
+    stiffness, travel = CONDITIONS.stiffness, CONDITIONS.travel
+    places = np.linspace(CONDITIONS.bottom, CONDITIONS.top, 20_001)
+    law, _ = built("bistable_snap", "bistable_snap", size, seed)
+    push = stiffness * places + resist(law, places)
+    # Where the strip's middle balances, two more places do, one on either side.
+    level = stiffness * law.constants[1]
+    balanced = np.flatnonzero(np.diff(np.sign(push - level)))
+    assert balanced.size == 3
+    assert np.gradient(push)[balanced[1]] < 0.0
+    assert (np.gradient(push)[balanced[[0, 2]]] > 0.0).all()
+    assert 0.25 * stiffness * travel < level - stiffness * CONDITIONS.bottom
+    assert level < stiffness * (CONDITIONS.bottom + 0.65 * travel)
 
 
 def test_commands_are_rounded_to_equal_levels():

@@ -244,7 +244,8 @@ def test_the_buckled_strip_s_force_is_a_sine_in_a_bell(share):
     assert not defining
     middle = BOTTOM + draws.at(0.3, 0.6) * TRAVEL
     for y in np.linspace(BOTTOM, UNEVEN.top, 23):
-        place = (y - middle) / (draws.at(0.15, 0.35) * TRAVEL)
+        width = 2.0 * np.pi * 0.3 * TRAVEL / draws.at(2.0, 4.0)
+        place = (y - middle) / width
         bell = np.imag(np.exp(2j * np.pi * place - place**2))
-        force = 0.3 * UNEVEN.stiffness * TRAVEL * bell
+        force = -0.3 * UNEVEN.stiffness * TRAVEL * bell
         assert held(made, y, SUBSTEP)[0] == pytest.approx(force, abs=1e-9)

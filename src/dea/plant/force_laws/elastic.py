@@ -56,9 +56,9 @@ def power_force(c: Array, y: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def snap_force(c: Array, y: float) -> float:
-    """Return the bistable force of a buckled strip around place c[1], of width c[2]."""
+    """Return the force of a buckled strip, unstable at its middle c[1], of width c[2]."""
     place = (y - c[1]) / c[2]
-    force: float = c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
+    force: float = -c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
     return force
 
 

@@ -32,15 +32,20 @@ def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Bui
     "Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True
 )
 def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A buckled strip whose bistable force reaches about ``size`` device forces."""
+    """A buckled strip whose bistable force reaches about ``size`` device forces.
+
+    It is so narrow that at its middle it takes away two to four times the device's stiffness: there
+    the device balances at three places.
+    """
     force = conditions.device_forces(size)
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
-    constants = [force, place, rng.uniform(0.15, 0.35) * conditions.travel]
+    width = 2.0 * np.pi * size / rng.uniform(2.0, 4.0) * conditions.travel
+    constants = [force, place, width]
     return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})
 
 
 EFFECTS = (
     foreign(quadratic_drag, 0.001, 0.3),
     foreign(pumped_stiffness, 0.002, 0.8),
-    foreign(bistable_snap, 0.005, 0.4),
+    foreign(bistable_snap, 0.005, 0.12),
 )
