@@ -8,12 +8,14 @@ import pandas as pd
 import pytest
 import yaml
 from scipy.io import savemat
+from scipy.signal import lfilter
 
 from dea import store
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
+from dea.intake import Answers, infer_case
 from dea.stages.intake import main
 from user_simulation import write_simulation
 
@@ -53,6 +55,40 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     seen = round(case.identification.length * RATE)
     assert held_out.u.size + seen <= N
     np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)
+
+
+@pytest.mark.parametrize("kind", ["whole", "begins late", "averaged", "jitter"])
+def test_no_row_is_in_training_and_in_test(folder, kind):
+    """Each row that changes what is trained on lies before those that are tested on."""
+    rng = np.random.default_rng(5)
+    rows, rate = (6000, 1000.0) if kind == "averaged" else (900, 10.0)
+    t = np.arange(rows) / rate
+    pole = 0.99 if kind == "averaged" else 0.6
+    u = lfilter([1 - pole], [1, -pole], np.repeat(rng.standard_normal(rows // 3), 3))
+    table = pd.DataFrame({"t (s)": t, "y (mm)": lfilter([0, 1 - pole], [1, -pole], u), "u (V)": u})
+    if kind == "begins late":
+        table.loc[:249, "y (mm)"] = np.nan
+    if kind == "jitter":
+        table["t (s)"] += rng.uniform(-0.04, 0.04, rows)
+    table.to_csv("rows.csv", index=False)
+    content = infer_case(Path("rows.csv"), Answers()).content
+    seen = content["identification"]["length"]
+    first, end = content["test_records"]["held_out"]["rows"]
+    assert end == rows
+    assert ("resample" in content["record"]) == (kind != "whole")
+
+    def trained_on():
+        record = store.signals(store.import_record(content["record"]))
+        return record.y[: round(seen * record.sampling_rate)]
+
+    before = trained_on()
+    table.loc[first:, "y (mm)"] += 1.0
+    table.to_csv("rows.csv", index=False)
+    np.testing.assert_array_equal(trained_on(), before)
+    # And none is left out between the two for nothing.
+    table.loc[first - 3 :, "y (mm)"] += 1.0
+    table.to_csv("rows.csv", index=False)
+    assert not np.array_equal(trained_on(), before, equal_nan=True)
 
 
 def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
@@ -203,8 +239,6 @@ def test_numbers_that_are_too_large_are_told_with_their_column(folder, capsys, r
 
 
 def test_a_short_record_is_refused_with_what_it_needs(folder):
-    from dea.intake import Answers, infer_case
-
     (folder / "short.csv").write_text("t (s),u (V),y (mm)\n" + "".join(
         f"{i},{np.sin(i)},{np.cos(i)}\n" for i in range(30)
     ))  # fmt: skip

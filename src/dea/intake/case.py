@@ -60,7 +60,8 @@ def infer_case(
     record = _described(file, roles)
     try:
         time = _times(table, roles)
-        resample, notes = _resampling(table, roles, time)
+        known = _known(table, roles, time)
+        resample, notes = _resampling(table, roles, time, known)
         record |= {"resample": resample} if resample else {}
         signals = store.signals(store.import_record(record))
         settings = infer_settings(signals)
@@ -68,9 +69,8 @@ def infer_case(
         raise InputError(
             error.problem, file=error.file or file, field=error.field, remedy=error.remedy
         ) from error
-    known = np.flatnonzero(np.isfinite(time))
-    begin = np.searchsorted(time[known] - time[known[0]], settings.held_out)
-    tested = record | {"rows": [int(known[begin]), time.size]}
+    begin = _first_unseen(time[known], settings.held_out, resample)
+    tested = record | {"rows": [int(np.flatnonzero(known)[begin]), time.size]}
     sections = dict(settings.sections)
     split = sections.pop("split")
     content = {
@@ -109,19 +109,47 @@ def _times(table: store.ForeignTable, roles: Roles) -> Array:
     return roles.interval * np.arange(table.columns[roles.output[0]].size, dtype=float)
 
 
-def _resampling(
-    table: store.ForeignTable, roles: Roles, time: Array
-) -> tuple[float | None, list[str]]:
-    """Return the interval to which the record is resampled, None where it may stay as it is."""
-    y = table.columns[roles.output[0]]
+def _known(table: store.ForeignTable, roles: Roles, time: Array) -> NDArray[np.bool_]:
+    """Tell which rows have time, inputs and output.
+
+    Raises
+    ------
+    InputError
+        Where columns differ in length or hold numbers too large, or hardly any row has all.
+    """
     _check_lengths(table, roles)
+    known = np.isfinite(time)
     for name, _ in (roles.output, *roles.inputs):
         store.require_squares(table.columns[name], name)
-    known = np.isfinite(time) & np.isfinite(y)
-    for name, _ in roles.inputs:
         known &= np.isfinite(table.columns[name])
     if np.count_nonzero(known) < 3:
         raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
+    return known
+
+
+def _first_unseen(time: Array, held_out: int, resample: float | None) -> int:
+    """Return the first sample of a file from which nothing before the part held out comes.
+
+    Parameters
+    ----------
+    time
+        Those of the samples of the file that have all their values, in s.
+    held_out
+        The first sample of the part held out, of the record on uniform times.
+    """
+    if resample is None:
+        return held_out
+    step = resample / max(round(resample / store.usual_interval(time)), 1)
+    # The last value before that part is interpolated between the samples around its time.
+    last = time[0] + held_out * resample - step
+    return int(np.searchsorted(time, last - _JITTER * step)) + 1
+
+
+def _resampling(
+    table: store.ForeignTable, roles: Roles, time: Array, known: NDArray[np.bool_]
+) -> tuple[float | None, list[str]]:
+    """Return the interval to which the record is resampled, None where it may stay as it is."""
+    y = table.columns[roles.output[0]]
     _check_times(time[known])
     interval = store.usual_interval(time[known])
     steps = np.diff(time[known])

@@ -33,13 +33,13 @@ _SETTLINGS = 20  # settling times in a window of the local tracker
 
 @dataclass(frozen=True)
 class CaseSettings:
-    """How a record is studied: sections of its case, and where the part held out begins, in s.
+    """How a record is studied: sections of its case, and at which sample the part held out begins.
 
     ``inferred`` says in words what the settings rest on.
     """
 
     sections: Mapping[str, Any]
-    held_out: float
+    held_out: int
     inferred: tuple[str, ...]
 
 
@@ -125,7 +125,7 @@ def infer_settings(signals: Record) -> CaseSettings:
         f" {100 * max(1 - linear.error**2, 0):.1f} % of an unseen part linearly",
         f"models come from the first {used / rate:.4g} s, tests from the last {held / rate:.4g} s",
     )
-    return CaseSettings(sections, (known - 0.5) / rate, inferred)
+    return CaseSettings(sections, known, inferred)
 
 
 def _listed(lags: Dynamics) -> str:
