@@ -302,6 +302,21 @@ def test_a_column_in_which_there_is_nothing_is_none(heading, end, tmp_path):
     np.testing.assert_array_equal(found.columns["y"], -np.arange(5.0))
 
 
+@pytest.mark.parametrize("heading", ["t{0}u{0}y", "t (s){0}u (V){0}y (mm)", "t{0}u{0}y{0}"])
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("empty", [(0, 1), (0, 3), (0, 150), (195, 399), (799, 800)])
+def test_an_empty_cell_of_the_last_column_is_a_missing_number(heading, separator, empty, tmp_path):
+    y = np.arange(800) / 4
+    y[slice(*empty)] = np.nan
+    cells = ["" if np.isnan(each) else f"{each}" for each in y]
+    rows = [separator.join([f"{k}", f"{-k}.5", cell]) for k, cell in enumerate(cells)]
+    found = read(tmp_path, "\n".join([heading.format(separator), *rows]))
+    assert found.units == ({"t": "s", "u": "V", "y": "mm"} if "(" in heading else {})
+    assert list(found.columns) == ["t", "u", "y"]
+    np.testing.assert_array_equal(found.columns["t"], np.arange(800.0))
+    np.testing.assert_array_equal(found.columns["y"], y)
+
+
 @pytest.mark.parametrize(
     ("day", "times"),
     [

@@ -24,28 +24,31 @@ _DECIMALS = (".", ",")
 
 
 class Layout(NamedTuple):
-    """How a text table is written."""
+    """How a text table is written; each row of a ``closed`` one ends with the separator."""
 
     separator: str
     decimal: str
     columns: int
+    closed: bool
 
 
 def read_text(file: Path) -> ForeignTable:
     """Read a table of text: tab, semicolon, comma, bar or spaces, decimal point or comma.
 
     Lines of comment, lines before the table, a line of units below the headings, headings within
-    the last comment, quoted numbers, and a separator at the end of each line are understood.
+    the last comment, quoted numbers, and a separator at the end of each line are understood. Where
+    only some lines end with one, the last field of these is empty: a missing number.
 
     Raises
     ------
     InputError
         If no line holds two numbers, or two columns have one name.
     """
-    whole = [line.rstrip() for line in _decoded(file).splitlines()]
+    # A tab at the end of a line may separate an empty field.
+    whole = [line.rstrip(" ") for line in _decoded(file).splitlines()]
     remarks, numbered = _without_comments(whole)
     rows = [whole[i] for i in numbered]
-    layout = _layout(rows[:LOOKED_AT])
+    layout = _layout(rows)
     if layout is None:
         raise InputError(
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
@@ -53,7 +56,7 @@ def read_text(file: Path) -> ForeignTable:
     begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
     _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
     # Above a last column in which there is nothing a heading may stand.
-    widest = layout.columns + rows[begin].endswith(layout.separator)
+    widest = layout.columns + layout.closed
     above = _of_width(rows[:begin], layout, widest) or _of_width(remarks[-1:], layout, widest)
     headings, units = headings_and_units(above, layout.columns)
     frame = pd.read_csv(
@@ -114,7 +117,7 @@ def _without_comments(lines: Sequence[str]) -> tuple[list[str], list[int]]:
     remarks: list[str] = []
     rows: list[int] = []
     for i, line in enumerate(lines):
-        if not line:
+        if not line.strip():
             continue
         if not line.lstrip().startswith(_COMMENTS):
             rows.append(i)
@@ -125,13 +128,17 @@ def _without_comments(lines: Sequence[str]) -> tuple[list[str], list[int]]:
 
 def _layout(rows: Sequence[str]) -> Layout | None:
     """Return the layout under which most fields of the last rows looked at are numbers."""
-    sample = rows[len(rows) // 2 :]
+    looked_at = rows[:LOOKED_AT]
+    begin = len(looked_at) // 2
+    sample = looked_at[begin:]
     best, most = None, 0.0
     for separator, decimal in product(_SEPARATORS, _DECIMALS):
         # Numbers with the mark that separates them are quoted.
         if separator == decimal and not any('"' in row for row in sample):
             continue
-        split = [_fields(row, Layout(separator, decimal, 0)) for row in sample]
+        # The last column may be empty throughout the sample, and hold numbers further on.
+        closed = separator != " " and all(row.endswith(separator) for row in rows[begin:])
+        split = [_fields(row, Layout(separator, decimal, 0, closed)) for row in sample]
         counts = [len(row) for row in split]
         columns = max(set(counts), key=counts.count) if counts else 0
         if columns < 2:
@@ -142,22 +149,24 @@ def _layout(rows: Sequence[str]) -> Layout | None:
         )
         share = numeric / len(fields) * counts.count(columns) / len(counts)
         if share > most + 1e-9:
-            best, most = Layout(separator, decimal, columns), share
+            best, most = Layout(separator, decimal, columns, closed), share
     return best if most > 0.3 else None
 
 
 def _fields(row: str, layout: Layout) -> list[str]:
     if layout.separator == " ":
-        return row.split()
+        # Of a table with tabs as well, which must not seem to have a column less.
+        return [*row.split(), ""] if row.endswith("\t") else row.split()
     fields = next(csv.reader([row], delimiter=layout.separator, skipinitialspace=True), [])
     stripped = [field.strip() for field in fields]
-    return stripped[:-1] if len(stripped) > 2 and not stripped[-1] else stripped
+    ended = layout.closed and len(stripped) > 2 and not stripped[-1]
+    return stripped[:-1] if ended else stripped
 
 
 def _of_width(rows: Sequence[str], layout: Layout, widest: int) -> list[list[str]]:
     """Return the fields of the rows as wide as the table, or not much; the last may be empty."""
     fields = (_fields(row, layout) for row in rows)
-    near = (row for row in fields if layout.columns - 1 <= len(row) <= widest)
+    near = (row for row in fields if layout.columns - 1 <= len(row) and not any(row[widest:]))
     return [[*row, ""][: layout.columns] for row in near]
 
 
