@@ -129,6 +129,29 @@ def test_the_name_of_a_time_may_tell_its_units(name, unit):
     assert roles({name: None, "u": "V", "y": "mm"}).time == (name, unit)
 
 
+@pytest.mark.parametrize("warm", ["T_film", "T film", "t_film", "temperature T"])
+def test_a_temperature_that_ascends_is_no_time(warm):
+    with pytest.raises(UnansweredError, match="how many samples"):
+        roles({"u": "V", "y": "mm", warm: None}, Answers(input="u", output="y"))
+
+
+@pytest.mark.parametrize(
+    ("columns", "time"),
+    [
+        ({"T": "degC", "u": "V", "y": "mm", "t": "s"}, ("t", "s")),
+        ({"elapsed": "s", "u": "V", "y": "mm", "T": "degC"}, ("elapsed", "s")),
+        ({"elapsed": "s", "u": "V", "y": "mm", "T": None}, ("elapsed", "s")),
+        ({"time of flight": "m", "u": "V", "y": "mm", "time": None}, ("time", "s")),
+        ({"T": None, "u": "V", "y": "mm", "t": "ms"}, ("t", "ms")),
+        ({"timestamp": None, "u": "V", "y": "mm", "time": "ms"}, ("time", "ms")),
+        ({"timestamp": None, "u": "V", "y": "mm", "time_us": None}, ("time_us", "us")),
+        ({"lag": "ms", "u": "V", "y": "mm", "time": None}, ("time", "s")),
+    ],
+)
+def test_of_likely_times_the_one_in_a_unit_of_time_is_taken(columns, time):
+    assert roles(columns, Answers(input="u", output="y")).time == time
+
+
 def test_units_that_are_given_count_more_than_a_name():
     assert roles({"time_ms": "us", "u": "V", "y": "mm"}).time == ("time_ms", "us")
     answers = Answers(time="time_ms:s")

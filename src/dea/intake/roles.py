@@ -17,8 +17,9 @@ _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive",
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
 # Whole names, a number behind them at most: as words of a longer one they are prepositions.
 _ALONE = {"in", "out"}
+# A "t" within a longer name is more often a temperature or a torque.
 _TIME = {
-    "t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
+    "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
     "micros",
 }  # fmt: skip
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
@@ -201,11 +202,19 @@ def _time_column(table: ForeignTable) -> str | None:
 
 
 def _called_time(table: ForeignTable) -> str | None:
-    name = next(filter(_named(_TIME), table.columns), None) or next(iter(table.clocks), None)
-    if name is None and table.columns:
-        first = next(iter(table.columns))
-        name = first if table.units.get(first) in SECONDS else None
-    return name
+    """Return the likeliest column: units of time beside its name, then the name, dates, units."""
+    possible = [name for name in table.columns if table.units.get(name, "s") in SECONDS]
+    named = list(filter(_named(_TIME), possible))
+    lone = list(filter(_is_t, possible))
+    sure = [name for name in (*named, *lone) if name in table.units or _named_units(name)]
+    first = [name for name in list(table.columns)[:1] if table.units.get(name) in SECONDS]
+    return next(iter((*sure, *named, *table.clocks, *first, *lone)), None)
+
+
+def _is_t(name: str) -> bool:
+    """Tell whether a name is ``t``, with nothing behind it but a unit of time: ``t_ms``."""
+    parts = re.split(r"[^a-z0-9]+", name.lower().strip())
+    return parts[0] == "t" and (len(parts) == 1 or (len(parts) == 2 and bool(_named_units(name))))
 
 
 def _refuse_falling_time(
