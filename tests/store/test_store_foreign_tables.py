@@ -80,6 +80,14 @@ def test_dates_of_pandas_are_seconds_too():
     assert from_columns(["when [h]"], [dates]).units == {"when": "s"}
 
 
+@pytest.mark.parametrize("unit", ["ns", "us", "ms", "s"])
+def test_durations_are_seconds_too(unit):
+    lasting = np.array([1000, 2000, "NaT", 3000], "m8[ms]").astype(f"m8[{unit}]")
+    found = from_columns(["elapsed"], [pd.Series(lasting)])
+    np.testing.assert_array_equal(found.columns["elapsed"], [1.0, 2.0, np.nan, 3.0])
+    assert (found.units, found.clocks) == ({"elapsed": "s"}, ("elapsed",))
+
+
 # Units and headings
 
 

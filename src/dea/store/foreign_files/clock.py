@@ -1,4 +1,4 @@
-"""Columns of dates and of times of day, as seconds since the first."""
+"""Columns of dates and of times of day, as seconds since the first, and of durations."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -26,12 +26,16 @@ def is_clock(text: str) -> bool:
 def seconds(column: pd.Series) -> NDArray[np.float64] | None:
     """Return seconds since the first entry, NaN where there is none; None where it is no time.
 
+    Durations are the seconds that they last.
+
     A time of day that falls back has passed midnight. Of a date that may begin with the day or with
     the month that reading is taken whose longest step is shorter: days follow each other, not
     months.
     """
     if pd.api.types.is_datetime64_any_dtype(column):
         return _since_first(column)
+    if pd.api.types.is_timedelta64_dtype(column):
+        return np.asarray(column.dt.total_seconds().to_numpy(), float)
     given = column.dropna().astype(str).str.strip()
     given = given[given != ""]
     if given.empty:

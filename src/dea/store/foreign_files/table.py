@@ -37,7 +37,7 @@ class ForeignTable:
     ----------
     columns
         One-dimensional numbers by name; NaN where there is none. Dates and times of day are
-        seconds since the first.
+        seconds since the first, durations the seconds that they last.
     units
         Those that the file gives, by column or constant.
     constants
@@ -46,7 +46,7 @@ class ForeignTable:
         The first entry of a column that is text where others are numbers, and where it is; such an
         entry is NaN in the column.
     clocks
-        Columns that were dates or times of day.
+        Columns that were dates, times of day or durations.
     """
 
     columns: Mapping[str, Array]
@@ -170,7 +170,8 @@ def _dated(values: Iterable[pd.Series]) -> list[pd.Series | None]:
 
 def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
     """Return a column as numbers, None where it is text, and whether it tells the time."""
-    if pd.api.types.is_datetime64_any_dtype(series):
+    dtype = series.dtype
+    if pd.api.types.is_datetime64_any_dtype(dtype) or pd.api.types.is_timedelta64_dtype(dtype):
         return seconds(series), True
     if pd.api.types.is_numeric_dtype(series):
         return _without_marks(series.to_numpy(float)), False
