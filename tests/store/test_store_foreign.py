@@ -139,6 +139,17 @@ def test_a_missing_value_is_flagged_where_it_is_asked_for(tmp_path):
     np.testing.assert_array_equal(np.delete(record.u, 3), np.delete(U, 3))
 
 
+def test_a_record_whose_first_time_is_missing_begins_with_the_next_one(tmp_path):
+    rows = ["t,u,y", ",0,0", *(f"{0.5 * k},{k},{-k}" for k in range(10, 20))]
+    (tmp_path / "mine.csv").write_text("\n".join(rows))
+    described = case("mine.csv", sampling_interval=None, time={"column": "t", "units": "s"})
+    with pytest.raises(InputError, match=r"1 of 11 samples .* Give `resample` 0\.5"):
+        store.import_record(described, root=tmp_path)
+    record = store.import_record(described | {"resample": 0.5}, root=tmp_path)
+    np.testing.assert_array_equal(record["time"], 0.5 * np.arange(10))
+    np.testing.assert_array_equal(record["output"], -np.arange(10.0, 20.0))
+
+
 def test_an_infinite_value_is_a_missing_one_where_it_is_asked_for(tmp_path):
     y = Y.copy()
     y[3] = np.inf

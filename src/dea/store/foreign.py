@@ -94,7 +94,7 @@ def import_record(
     y = column("output", described.output)
     if described.time is not None:
         time = column("time", described.time) * SECONDS[described.time.units]
-        time = time - time[:1]
+        time = time - next(iter(time[np.isfinite(time)]), 0.0)
     else:
         assert described.sampling_interval is not None
         time = float(described.sampling_interval) * np.arange(y.size, dtype=float)
