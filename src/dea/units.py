@@ -1,7 +1,9 @@
 """Units of products of quantities, as text: ``mm^2``, ``(ticks/s)^2``, ``mm/V``; and of time."""
 
 # How many seconds each unit of time has.
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+SECONDS = {
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86_400.0
+}  # fmt: skip
 # How many hertz each unit of a rate has.
 HERTZ = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "1/s": 1.0, "1/min": 1.0 / 60.0}
 

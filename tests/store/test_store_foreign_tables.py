@@ -7,6 +7,7 @@ import numpy as np
 import openpyxl
 import pandas as pd
 import pytest
+import xarray as xr
 from scipy.io import savemat
 
 from dea.errors import InputError
@@ -96,6 +97,10 @@ def test_durations_are_seconds_too(unit):
     [
         ("s", "s", 1.0), ("sec", "s", 1.0), (" [Seconds] ", "s", 1.0), ("( secs )", "s", 1.0),
         ("seconds since 2024-01-01", "s", 1.0), ("second", "s", 1.0),
+        ("days since 2024-01-01", "d", 86400.0), ("hours since 2024-01-01 10:00", "h", 3600.0),
+        ("minutes since 2024-01-01", "min", 60.0), ("Milliseconds since 2024-01-01", "ms", 1e-3),
+        ("microseconds since 2024-01-01 00:00:00.5", "us", 1e-6), ("day", "d", 86400.0),
+        ("nanoseconds since 1970-01-01", "ns", 1e-9), ("cycles since start",) * 2 + (None,),
         ("ms", "ms", 1e-3), ("msec", "ms", 1e-3), ("Milliseconds", "ms", 1e-3),
         ("us", "us", 1e-6), ("µs", "us", 1e-6), ("μs", "us", 1e-6), ("usec", "us", 1e-6),
         ("ns", "ns", 1e-9), ("min", "min", 60.0), ("minutes", "min", 60.0),
@@ -420,6 +425,17 @@ def test_netcdf_holds_vectors_and_lone_numbers_and_times_stay_numbers(tmp_path):
     assert found.columns["u"].dtype == float
     assert found.units == {"t": "s", "rate": "Hz"}
     assert found.constants == {"rate": 50.0}
+
+
+@pytest.mark.parametrize("step", ["100ms", "250us", "10s", "1min", "2h", "1D"])
+def test_dates_that_are_saved_as_netcdf_are_times_in_their_units(step, tmp_path):
+    time = pd.date_range("2024-01-01T10:00", periods=5, freq=step)
+    xr.Dataset({"u": ("time", np.arange(5.0))}, {"time": time}).to_netcdf(tmp_path / "mine.nc")
+    found = read_foreign(tmp_path / "mine.nc")
+    passed = found.columns["time"] * SECONDS[found.units["time"]]
+    np.testing.assert_allclose(
+        passed - passed[0], pd.Timedelta(step).total_seconds() * np.arange(5), rtol=1e-12
+    )
 
 
 def test_a_matlab_file_holds_rows_columns_matrices_and_structures(tmp_path):

@@ -27,7 +27,7 @@ class RecordColumns(Section):
     )
     output: Column = key("what was measured")
     time: Column | None = key(
-        "time, in s, ms, us, ns, min or h; a date or a time of day is in s", default=None
+        "time, in s, ms, us, ns, min, h or d; a date or a time of day is in s", default=None
     )
     sampling_interval: Positive | None = key(
         "time between samples, where there is no time column", unit="s", default=None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.store.foreign_files.clock import is_day, is_time_of_day, joined, seconds
+from dea.units import SECONDS
 
 Array = NDArray[np.float64]
 
@@ -18,11 +19,14 @@ Array = NDArray[np.float64]
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
+_SINCE = re.compile(r"\s+since\s.*", re.IGNORECASE)
 _SPELLINGS = {
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
     "milliseconds": "ms", "millis": "ms", "µs": "us", "μs": "us", "usec": "us", "micros": "us",
+    "microsecond": "us", "microseconds": "us", "nanosecond": "ns", "nanoseconds": "ns",
     "minute": "min", "minutes": "min",
-    "hour": "h", "hours": "h", "hr": "h", "volt": "V", "volts": "V", "-": "1", "": "1",
+    "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
+    "volt": "V", "volts": "V", "-": "1", "": "1",
 }  # fmt: skip
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
@@ -76,8 +80,9 @@ class ForeignTable:
 def plain_units(text: str) -> str:
     """Return units in the spelling of this project: ``(sec)`` is ``s``."""
     bare = text.strip().strip("[]()").strip()
-    if bare.lower().startswith("seconds since"):
-        return "s"
+    # Of a time of NetCDF, which is a number of these units since a date.
+    if (unit := _SINCE.sub("", bare)) != bare and plain_units(unit) in SECONDS:
+        return plain_units(unit)
     return _SPELLINGS.get(bare.lower(), bare.replace("µ", "u").replace("μ", "u"))
 
 
