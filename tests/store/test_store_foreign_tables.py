@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.io import savemat
 
 from dea.errors import InputError
+from dea.store import import_record
 from dea.store.foreign_files import read_foreign
 from dea.store.foreign_files.clock import is_clock, seconds
 from dea.store.foreign_files.table import from_columns, name_and_units, plain_units
@@ -454,6 +455,31 @@ def test_a_matlab_file_holds_rows_columns_matrices_and_structures(tmp_path):
     assert {name: found.columns[name].tolist() for name in expected} == expected
     assert set(found.columns) - set(expected) == {"square_1", "square_2"}
     assert found.constants == {"Ts": 0.5, "rig.rate": 50.0}
+
+
+def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
+    values = {"u": np.arange(3.0), "y": np.arange(3) * 1j, "poles": np.ones((3, 2)) * (1 + 1j),
+              "gain": 2.0 + 1j, "Ts": 0.5}  # fmt: skip
+    savemat(tmp_path / "mine.mat", values)
+    found = read_foreign(tmp_path / "mine.mat")
+    assert found.constants == {"Ts": 0.5}
+    assert found.complex_numbers == ("y", "poles_1", "poles_2")
+    assert np.isnan(found.columns["y"]).all()
+    found.refuse_words(["u"], tmp_path)
+    described = {"file": "mine.mat", "sampling_interval": 0.5,
+                 "input": {"column": "u", "units": "V"},
+                 "output": {"column": "y", "units": "mm"}}  # fmt: skip
+    with pytest.raises(InputError, match=r"mat: column 'y': it is complex\. Give its real"):
+        import_record(described, root=tmp_path)
+    assert not recwarn.list
+
+
+def test_a_complex_variable_of_netcdf_is_no_real_one(tmp_path, monkeypatch):
+    dataset = xr.Dataset({"u": ("n", np.arange(3.0)), "y": ("n", 1j * np.ones(3)), "gain": 1j})
+    monkeypatch.setattr(xr, "open_dataset", lambda *_, **__: dataset)
+    found = read_foreign(tmp_path / "mine.nc")
+    assert (found.complex_numbers, found.constants) == (("y",), {})
+    assert np.isnan(found.columns["y"]).all()
 
 
 @pytest.mark.parametrize("ending", ["CSV", "Txt", "dat", "asc", "lvm", "tsv"])

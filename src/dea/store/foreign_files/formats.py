@@ -84,15 +84,14 @@ def _read_netcdf(file: Path) -> ForeignTable:
         if each.ndim == 1 and np.issubdtype(each.dtype, np.number)
     }
     scalars = {
-        name: each
-        for name, each in variables.items()
-        if each.ndim == 0 and np.issubdtype(each.dtype, np.number)
+        name: each for name, each in variables.items() if each.ndim == 0 and _is_real(each.values)
     }
     known = {n: v.attrs["units"] for n, v in (vectors | scalars).items() if "units" in v.attrs}
     return ForeignTable(
-        {name: each.values.astype(float) for name, each in vectors.items()},
+        {name: _real(each.values) for name, each in vectors.items()},
         {name: plain_units(units) for name, units in known.items()},
         {name: float(each) for name, each in scalars.items()},
+        complex_numbers=tuple(n for n, each in vectors.items() if not _is_real(each.values)),
     )
 
 
@@ -101,19 +100,31 @@ def _read_matlab(file: Path) -> ForeignTable:
 
     columns: dict[str, Array] = {}
     constants: dict[str, float] = {}
+    complex_numbers: list[str] = []
     content = loadmat(file, simplify_cells=True)
     for name, value in _flat({k: v for k, v in content.items() if not k.startswith("__")}):
         if not np.issubdtype(value.dtype, np.number):
             continue
+        found = {}
         if value.size == 1:
-            constants[name] = float(value.ravel()[0])
+            constants |= {name: float(value.ravel()[0])} if _is_real(value) else {}
         elif value.ndim == 1 or 1 in value.shape:
-            columns[name] = value.ravel().astype(float)
+            found = {name: _real(value.ravel())}
         elif value.ndim == 2:
             long = value if value.shape[0] > value.shape[1] else value.T
-            for i, column in enumerate(long.T.astype(float)):
-                columns[f"{name}_{i + 1}"] = column
-    return ForeignTable(columns, {}, constants)
+            found = {f"{name}_{i + 1}": _real(column) for i, column in enumerate(long.T)}
+        columns |= found
+        complex_numbers += [] if _is_real(value) else found
+    return ForeignTable(columns, {}, constants, complex_numbers=tuple(complex_numbers))
+
+
+def _is_real(values: np.ndarray) -> bool:
+    return np.issubdtype(values.dtype, np.number) and not np.iscomplexobj(values)
+
+
+def _real(values: np.ndarray) -> Array:
+    """Return numbers, NaN in place of complex ones: a real part alone would look like a signal."""
+    return values.astype(float) if _is_real(values) else np.full(values.size, np.nan)
 
 
 def _flat(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, np.ndarray]]:

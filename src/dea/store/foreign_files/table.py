@@ -51,6 +51,8 @@ class ForeignTable:
         entry is NaN in the column.
     clocks
         Columns that were dates, times of day or durations.
+    complex_numbers
+        Columns that were complex, and are NaN throughout.
     """
 
     columns: Mapping[str, Array]
@@ -58,16 +60,24 @@ class ForeignTable:
     constants: Mapping[str, float] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
     clocks: tuple[str, ...] = ()
+    complex_numbers: tuple[str, ...] = ()
 
     def refuse_words(self, names: Iterable[str], file: Path) -> None:
-        """Refuse text among the numbers of the columns that are used.
+        """Refuse text among the numbers of the columns that are used, and complex ones.
 
         Raises
         ------
         InputError
-            Naming the column, the entry and where it is.
+            Naming the column, of text the entry and where it is.
         """
         for name in names:
+            if name in self.complex_numbers:
+                raise InputError(
+                    "it is complex",
+                    file=file,
+                    field=f"column {name!r}",
+                    remedy="Give its real part",
+                )
             if name in self.words:
                 raise InputError(
                     f"{self.words[name]} is not a number",
