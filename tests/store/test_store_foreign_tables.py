@@ -308,6 +308,21 @@ def test_a_title_padded_by_a_spreadsheet_is_no_heading(above, units, tmp_path):
     assert found.units.get("y") == ("mm" if units else None)
 
 
+@pytest.mark.parametrize("above", ["Run 5,2024 A,x\n", "Operator,me,x\nrange,low,high\n"])
+@pytest.mark.parametrize("headings", ["Time (s),u (V),y (mm)", "Time [s],u [V],y"])
+def test_a_preamble_as_wide_as_the_table_is_no_heading(above, headings, tmp_path):
+    found = read(tmp_path, f"{above}{headings}\n" + "".join(f"{k},1,2\n" for k in range(5)))
+    assert list(found.columns) == ["Time", "u", "y"]
+    assert (found.units["Time"], found.units["u"]) == ("s", "V")
+
+
+@pytest.mark.parametrize("units", ["s,V (rms),mm", "(s),[V],(mm)"])
+def test_brackets_in_a_row_of_units_make_it_no_headings(units, tmp_path):
+    found = read(tmp_path, f"t,u,y\n{units}\n" + "".join(f"{k},1,2\n" for k in range(5)))
+    assert list(found.columns) == ["t", "u", "y"]
+    assert (found.units["t"], found.units["y"]) == ("s", "mm")
+
+
 @pytest.mark.parametrize("heading", ["u,y,remarks", "u,y,", "u,y"])
 @pytest.mark.parametrize("end", [",", ",,"])
 def test_a_column_in_which_there_is_nothing_is_none(heading, end, tmp_path):

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from dea.store.foreign_files.clock import is_clock
-from dea.store.foreign_files.table import MISSING, plain_units
+from dea.store.foreign_files.table import MISSING, name_and_units, plain_units
 
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
 LOOKED_AT = 400  # rows among which the numbers must have begun
@@ -32,13 +32,17 @@ def headings_and_units(
     ----------
     above
         Rows above the numbers, each as wide as the table. A title, or a remark, fills fewer of its
-        fields than the headings do, where a spreadsheet has padded it to that width.
+        fields than the headings do, where a spreadsheet has padded it to that width. Headings with
+        units in brackets have no row of units below them.
     """
     if not above:
         return [f"column {i + 1}" for i in range(columns)], None
     *_, last = above
     with_units = (
-        len(above) > 1 and _filled(above[-2]) >= _filled(last) and all(map(_is_short, last))
+        len(above) > 1
+        and _filled(above[-2]) >= _filled(last)
+        and all(map(_is_short, last))
+        and not _has_units(last)
     )
     names = above[-2] if with_units else last
     headings = [field or f"column {i + 1}" for i, field in enumerate(names)]
@@ -47,6 +51,11 @@ def headings_and_units(
 
 def _filled(row: Sequence[str]) -> int:
     return sum(map(bool, row))
+
+
+def _has_units(row: Sequence[str]) -> bool:
+    """Tell whether most fields end with units in brackets, as few units do: ``V (rms)``."""
+    return 2 * sum(name_and_units(field)[1] is not None for field in row) > _filled(row)
 
 
 def _is_short(field: str) -> bool:
