@@ -115,6 +115,15 @@ def test_where_all_was_tried_nothing_is_told(findings):
     assert "<p></p>" not in page(findings, {})
 
 
+@pytest.mark.parametrize("withheld", ["", "one step is not white"])
+def test_a_caption_tells_of_bands_where_they_are_given(findings, withheld):
+    findings.sources.dataset("gfrf").attrs["withheld"] = withheld
+    text = page(findings, {"fig3": PICTURE})
+    assert ("No bands are given" in text) == bool(withheld)
+    assert ("and at three times.<" in text) == bool(withheld)
+    assert ("and at three times with 95 % bands.<" in text) == (not withheld)
+
+
 def test_pictures_are_shown_in_proportion(findings):
     narrow, wide = (PICTURE[:16] + width.to_bytes(4) + PICTURE[20:] for width in (900, 2000))
     shown = re.findall(

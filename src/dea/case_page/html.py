@@ -15,7 +15,7 @@ _CAPTIONS = {
     "residual_tests": "What remains of the output: correlations of the residual with its past and"
     " with the input. Inside the band there is none.",
     "tracked_parameters": "Parameters followed through the record. What drifts shows here.",
-    "fig3": "Gain of the frequency response over time, and at three times with 95 % bands.",
+    "fig3": "Gain of the frequency response over time, and at three times{bands}.",
     "fig4_h2": "Second-order response: which output two input frequencies produce together.",
     "discrepancy": "The simulation beside the record, and what it lacks.",
 }
@@ -45,14 +45,21 @@ def page(findings: Findings, pictures: Mapping[str, bytes]) -> str:
         f"<h1>{escape(findings.title)}</h1>",
         f"<p>{escape(findings.record)}</p>",
         f'<div class="equation">{findings.equation_in_html}</div>',
-        *_section("What the simulation is missing", missing, pictures, ["discrepancy"]),
+        *_section(
+            "What the simulation is missing", missing, pictures, _captions(findings, "discrepancy")
+        ),
         *_paragraph(findings.not_offered),
         *_scores(findings),
-        *_section("Windows", "", pictures, ["fig2"]),
-        *_section("Stability", findings.stability, {}, []),
-        *_section("Residuals", findings.residuals, pictures, ["residual_tests"]),
-        *_section("Frequency responses", _responses(findings), pictures, ["fig3", "fig4_h2"]),
-        *_section("Change over time", "", pictures, ["tracked_parameters"]),
+        *_section("Windows", "", pictures, _captions(findings, "fig2")),
+        *_section("Stability", findings.stability, {}, {}),
+        *_section("Residuals", findings.residuals, pictures, _captions(findings, "residual_tests")),
+        *_section(
+            "Frequency responses",
+            _responses(findings),
+            pictures,
+            _captions(findings, "fig3", "fig4_h2"),
+        ),
+        *_section("Change over time", "", pictures, _captions(findings, "tracked_parameters")),
         f"<p>Files: <code>results/{escape(findings.name)}/</code>; settings:"
         f" <code>config/cases/{escape(findings.name)}.yaml</code>.</p>",
     ]
@@ -69,16 +76,22 @@ def _responses(findings: Findings) -> str:
     return f"No bands are given: {withheld}." if withheld else ""
 
 
+def _captions(findings: Findings, *names: str) -> dict[str, str]:
+    """Return the captions of pictures; bands are told of where they are given."""
+    bands = "" if findings.responses_withheld else " with 95 % bands"
+    return {name: _CAPTIONS[name].format(bands=bands) for name in names}
+
+
 def _section(
-    heading: str, text: str, pictures: Mapping[str, bytes], names: Sequence[str]
+    heading: str, text: str, pictures: Mapping[str, bytes], captions: Mapping[str, str]
 ) -> list[str]:
     """Return a section with its text and those of its pictures that there are."""
-    shown = [name for name in names if name in pictures]
+    shown = [name for name in captions if name in pictures]
     if not text and not shown:
         return []
     told = _paragraph(text, ' class="verdict"')
     widest = max(map(_width, pictures.values()), default=1)
-    figures = (_figure(pictures[n], _CAPTIONS[n], _width(pictures[n]) / widest) for n in shown)
+    figures = (_figure(pictures[n], captions[n], _width(pictures[n]) / widest) for n in shown)
     return [f"<h2>{heading}</h2>", *told, *figures]
 
 
