@@ -181,7 +181,7 @@ def test_a_forecast_that_diverges_is_marked_where_it_leaves_the_axis():
     assert [len(ax.texts) for ax in rows] == [1, 1, 2, 1]
 
 
-@pytest.mark.parametrize(("lags", "chosen"), [(2, 3), ([2, 4], 4)])
+@pytest.mark.parametrize(("lags", "chosen"), [(2, 3), ([2, 4], 4), ([[1, 2], [1, 2, 4]], 4)])
 def test_the_chosen_orders_are_marked(lags, chosen):
     settings = {"identification": {"y_lags": 3, "u_lags": lags, "degree": 2}}
     orders = made.orders(1).assign_attrs(settings=json.dumps(settings))

@@ -6,6 +6,8 @@ approach: fitted to the window by least squares on the one-step error).
 """
 
 import json
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -95,7 +97,12 @@ def _chosen(orders: xr.Dataset, kind: str) -> int | None:
     if identification is None:
         return None
     keys = ("y_lags", "u_lags") if kind == "dynamic" else ("degree",)
-    return int(max(np.max(identification[key]) for key in keys))
+    return max(_largest(identification[key]) for key in keys)
+
+
+def _largest(lags: int | Sequence[Any]) -> int:
+    """Return the largest of lags, of several inputs in a list for each."""
+    return lags if isinstance(lags, int) else max(map(_largest, lags), default=0)
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
