@@ -87,6 +87,27 @@ def test_a_record_is_read_in_minutes_where_it_is_long(duration, label, ticks):
 
 
 @pytest.mark.parametrize(
+    ("duration", "moments"),
+    [
+        (0.09, ["0.009 s", "0.045 s", "0.081 s"]),
+        (9e-4, ["9e-05 s", "0.00045 s", "0.00081 s"]),
+        (9.0, ["0.9 s", "4.5 s", "8.1 s"]),
+        (900.0, ["1.5 min", "7.5 min", "13.5 min"]),
+    ],
+)
+def test_the_moments_of_a_record_are_told_apart_however_short_it_is(duration, moments):
+    like = np.array([0.0, duration])
+    assert [style.moment(part * duration, like) for part in (0.1, 0.5, 0.9)] == moments
+
+
+def test_the_axis_of_a_record_of_less_than_a_millisecond_is_numbered():
+    ax = style.page_figure(style.FULL_WIDTH, 40).subplots()
+    style.time_axis(ax, np.arange(900) * 1e-6)
+    low, high = ax.get_xlim()
+    assert sum(low <= tick <= high for tick in ax.get_xticks()) > 3
+
+
+@pytest.mark.parametrize(
     ("values", "labels"),
     [([1, 1.6], ["1", "1.6"]), ([1, 4], ["1", "2", "3"]), ([1, 300], ["1", "2", "5", "200"])],
 )

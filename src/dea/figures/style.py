@@ -6,6 +6,7 @@ no global state and nothing to close.
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
+from math import floor, log10
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -201,16 +202,21 @@ def clock(time: NDArray[np.float64]) -> tuple[float, str]:
 
 
 def moment(time: float, like: NDArray[np.float64]) -> str:
-    """Return a time (s) in words, to a tenth of the unit of :func:`clock` of the times ``like``."""
+    """Return a time (s) in words, in the unit of :func:`clock` of the times ``like``.
+
+    To a tenth of the unit; of a record shorter than one, to a tenth of its length's first digit.
+    """
     unit, name = clock(like)
-    return f"{round(time / unit, 1):g} {name}"
+    length = (like[-1] - like[0]) / unit
+    digits = 1 - floor(log10(length)) if 0.0 < length < 1.0 else 1
+    return f"{round(time / unit, digits):g} {name}"
 
 
 def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:
     """Limit an axis of times (s) to a record and number it in the unit of :func:`clock`."""
     unit, name = clock(time)
     end = 2 * time[-1] - time[-2]  # where the last sample ends
-    steps = (m * 10.0**e for e in range(-3, 6) for m in (1, 2, 5))
+    steps = (m * 10.0**e for e in range(-9, 6) for m in (1, 2, 5))
     step = next(s for s in steps if (end - time[0]) / (s * unit) <= _MOST_TICKS)
     ax.set_xlim(time[0], end)
     ax.xaxis.set_major_locator(MultipleLocator(step * unit))
