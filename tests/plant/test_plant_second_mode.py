@@ -25,7 +25,7 @@ def law(form):
     return built("second_mode", form, 0.6, 3, conditions)[0]
 
 
-@njit
+@njit(cache=True)
 def stepped(drive, forces, commands, dt):
     state, angles = np.zeros(2), np.zeros(commands.size + 1)
     for k in range(commands.size):

@@ -126,15 +126,10 @@ def test_another_explanation_errs_by_up_to_what_is_unexplained_grown_alike():
 )
 def test_of_missing_samples_neither_energy_nor_determinant_is_counted(error):
     """Against the rows and columns of the dense covariance that belong to known samples."""
-    n = 300
     rng = np.random.default_rng(8)
-    known = rng.random(n) < 0.6
-    pole = (error.memories - 1.0) / (error.memories + 1.0)
-    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    S = error.white**2 * np.eye(n)
-    S += error.coloured**2 * np.mean([np.power(a, apart, where=True) for a in pole], axis=0)
-    S = S[np.ix_(known, known)]
-    signals = rng.standard_normal((n, 2))
+    known = rng.random(N) < 0.6
+    S = covariance(error)[np.ix_(known, known)]
+    signals = rng.standard_normal((N, 2))
     whitened = error.whitened(signals, known)
     expected = np.linalg.solve(S, signals[known])
     np.testing.assert_allclose(whitened.T @ whitened, signals[known].T @ expected, rtol=1e-9)
