@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
-from dea.narx import Labels, rate_of
+from dea.narx import check_rate
 
 Array = NDArray[np.float64]
 _GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowest frequency
@@ -71,7 +71,7 @@ def tune_feedback(
     InputError
         If there is no band, or a setting is out of range, or no gain keeps the margins.
     """
-    rate_of(Labels(), sampling_rate)
+    check_rate(sampling_rate)
     for name, value, least in (
         ("integral_time", integral_time, 0.0),
         ("largest_sensitivity", largest_sensitivity, 1.0),

@@ -17,7 +17,7 @@ from dea.narx.intervals import (
     simulation_interval,
 )
 from dea.narx.kernels import NONE
-from dea.narx.labels import Labels, pair, rate_of
+from dea.narx.labels import Labels, check_rate, pair, rate_of
 from dea.narx.lags import Compared, LagChoice, lag_choices, select_lags
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
@@ -59,6 +59,7 @@ __all__ = [
     "as_signal",
     "baselines",
     "candidate_terms",
+    "check_rate",
     "check_variation",
     "compare_orders",
     "compare_structures",

@@ -59,9 +59,9 @@ def rate_of(labels: Labels, given: float | None) -> float:
     """
     own = labels.sampling_rate
     rate = own if given is None else given
-    if rate is not None and not 0.0 < rate < np.inf:
-        raise InputError(f"it is {rate:g} Hz", field="sampling_rate", remedy="It is positive.")
-    if own is not None and rate is not None and abs(rate / own - 1.0) > _RATES_APART:
+    if rate is not None:
+        check_rate(rate)
+    if own is not None and rate is not None and not _same_rate(rate, own):
         raise InputError(
             f"it is {rate:g} Hz, and the model is of {own:g} Hz",
             field="sampling_rate",
@@ -74,6 +74,18 @@ def rate_of(labels: Labels, given: float | None) -> float:
             remedy="Give it in Hz, or select the model from a dea.Record, which carries it.",
         )
     return rate
+
+
+def check_rate(sampling_rate: float) -> None:
+    """Refuse a sampling rate that is not a positive number."""
+    if not 0.0 < sampling_rate < np.inf:
+        raise InputError(
+            f"it is {sampling_rate:g} Hz", field="sampling_rate", remedy="It is positive."
+        )
+
+
+def _same_rate(one: float, other: float) -> bool:
+    return abs(one / other - 1.0) <= _RATES_APART
 
 
 def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
@@ -112,7 +124,7 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
 def _agree(one: Labels, other: Labels) -> bool:
     """Whether two records may share a model: their rates as far as clocks agree."""
     rate, wanted = one.sampling_rate, other.sampling_rate
-    if rate is not None and wanted is not None and abs(rate / wanted - 1.0) <= _RATES_APART:
+    if rate is not None and wanted is not None and _same_rate(rate, wanted):
         one = replace(one, sampling_rate=wanted)
     return one == other
 
@@ -150,7 +162,7 @@ def _refuse_other(model: Labels, record: Labels) -> None:
     own, other = model.sampling_rate, record.sampling_rate
     if own is None or other is None:
         return
-    if abs(other / own - 1.0) > _RATES_APART:
+    if not _same_rate(other, own):
         raise _unlike("sampling_rate", f"{other:g} Hz", f"{own:g} Hz")
     units, others = ((*each_text(of.u_units), of.y_units) for of in (model, record))
     if units != others:

@@ -163,15 +163,16 @@ def track_parameters(
     signals = normalised_signals(model, inputs, outputs)
     if method == "local" and chosen["window"] is None:
         chosen["window"] = usual_window(model, signals.y.size)
-    own = u.sampling_rate if isinstance(u, store.Record) else None
+    given = sampling_rate
+    if given is None and isinstance(u, store.Record):
+        given = u.sampling_rate
+    unknown = given is None and model.labels.sampling_rate is None
+    rate = 1.0 if unknown else rate_of(model.labels, given)
     at = instants_of(signals.y.size, chosen.pop("instants"))
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     # Before the first equation the first estimate holds.
     of_equation = np.maximum(at - model.max_lag, 0)
     found = tracker(model, signals, of_equation, method, chosen)
-    if sampling_rate is None and own is None and model.labels.sampling_rate is None:
-        own = 1.0
-    rate = rate_of(model.labels, own if sampling_rate is None else sampling_rate)
     return _labelled(model, found, at, rate, {"method": method, **chosen})
 
 
