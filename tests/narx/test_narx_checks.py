@@ -42,8 +42,10 @@ def test_the_covariance_counts_the_parameters_that_the_data_determine():
     """A doubled regressor shares its parameter; the degrees of freedom are those of the rank."""
     u, y = record(60)
     once = (Term.parse("y(t-1)"), Term.parse("u(t-2)"))
-    theta, covariance = least_squares(once, [(u, y)])
-    doubled, wide = least_squares((*once, once[1]), [(u, y)])
+    found = least_squares(once, [(u, y)])
+    theta, covariance = found.parameters, found.covariance
+    again = least_squares((*once, once[1]), [(u, y)])
+    doubled, wide = again.parameters, again.covariance
     np.testing.assert_allclose(doubled, [theta[0], theta[1] / 2, theta[1] / 2], rtol=1e-9)
     matrix = regressor_matrix(once, u, y)
     rest = y[2:] - matrix @ theta

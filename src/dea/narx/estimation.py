@@ -1,6 +1,8 @@
 """Parameters of a given structure by least squares on the one-step error."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,63 +68,66 @@ def estimate(
     records = as_segments(u, y, max_lag(chosen), len(chosen))
     scale = scaling_of(records) if scaling is None else scaling
     segments = normalised(records, scale)
-    theta, covariance = least_squares(chosen, segments)
-    return NarxModel(
-        chosen, theta, scale, covariance, withheld=reason_to_withhold(chosen, theta, segments)
-    )
+    found = least_squares(chosen, segments)
+    return NarxModel(chosen, found.parameters, scale, found.covariance, withheld=found.withheld)
 
 
-def reason_to_withhold(terms: Sequence[Term], theta: Array, segments: Sequence[Segment]) -> str:
-    """Return why intervals of a least-squares estimate cannot hold, empty where they can.
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """Parameters (terms,) of least squared one-step error, and their covariance (terms, terms).
 
-    The estimate is consistent only if the one-step error is white; its order as an autoregression
-    says whether it is.
+    ``rank`` is the number of directions of the parameters that the equations determine, and
+    ``residuals`` holds the one-step error of each segment.
     """
-    start = max_lag(terms)
-    matrices = [regressor_matrix(terms, u, y) for u, y in segments]
-    withheld = withheld_of_equations(np.vstack(matrices), len(terms), _DEPENDENT)
-    if withheld:
-        return withheld
-    noise = fit_autoregression(
-        [y[start:] - matrix @ theta for matrix, (_, y) in zip(matrices, segments, strict=True)]
-    )
-    return NOT_WHITE if noise.order else ""
+
+    parameters: Array
+    covariance: Array
+    rank: int
+    residuals: list[Array]
+
+    @cached_property
+    def withheld(self) -> str:
+        """Why intervals of the estimate cannot hold, empty where they can.
+
+        The estimate is consistent only if the one-step error is white; its order as an
+        autoregression says whether it is.
+        """
+        terms, equations = self.parameters.size, sum(error.size for error in self.residuals)
+        undetermined = too_little(equations, terms, terms - self.rank)
+        if undetermined:
+            return undetermined
+        return NOT_WHITE if fit_autoregression(self.residuals).order else ""
 
 
-def withheld_of_equations(matrix: Array, unknowns: int, dependent: float) -> str:
+def too_little(equations: int, unknowns: int, undetermined: int) -> str:
     """Return why equations give no intervals of parameters, empty where they do.
 
-    Parameters
-    ----------
-    matrix
-        Derivative of each equation by each parameter, (equations, parameters).
-    unknowns
-        Of the equations, which may be more than the parameters.
-    dependent
-        Share of the largest singular value, columns scaled to one, up to which one is rounding.
+    ``undetermined`` is the number of directions of the parameters that they do not determine.
     """
-    if len(matrix) - unknowns < _LEFT:
+    if equations - unknowns < _LEFT:
         return FEW_EQUATIONS
-    singular = np.linalg.svd(matrix / column_norms(matrix), compute_uv=False)
-    return DEPENDENT_TERMS if singular[-1] <= dependent * singular[0] else ""
+    return DEPENDENT_TERMS if undetermined else ""
 
 
-def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[Array, Array]:
-    """Return the parameters (4) and their covariance from normalised segments.
+def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> LeastSquares:
+    """Return the parameters (4) from normalised segments.
 
     Parameters that the data leave undetermined take the smallest values that explain them.
     """
     start = max_lag(terms)
     matrix = np.vstack([regressor_matrix(terms, u, y) for u, y in segments])
-    target = np.concatenate([y[start:] for _, y in segments])
+    targets = [y[start:] for _, y in segments]
+    target = np.concatenate(targets)
     scale = column_norms(matrix)  # the rank must not depend on the columns' units
     left, singular, right = np.linalg.svd(matrix / scale, full_matrices=False)
     kept = singular > _DEPENDENT * singular[0]
     inverse = (right[kept].T / singular[kept]) / scale[:, None]
     theta = inverse @ (left[:, kept].T @ target)
-    freedom = max(target.size - kept.sum(), 1)
-    variance = np.sum((target - matrix @ theta) ** 2) / freedom
-    return theta, variance * (inverse @ inverse.T)
+    error = target - matrix @ theta
+    rank = int(kept.sum())
+    variance = np.sum(error**2) / max(target.size - rank, 1)
+    ends = np.cumsum([each.size for each in targets])[:-1]
+    return LeastSquares(theta, variance * (inverse @ inverse.T), rank, np.split(error, ends))
 
 
 def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling:

@@ -176,7 +176,7 @@ def _estimate(
     whichever simulate the window better. Parameters with which the model leaves the range of the
     outputs on any input played until then are not taken while others do not.
     """
-    starts = [before, least_squares(terms, window)[0]]
+    starts = [before, least_squares(terms, window).parameters]
     starts.sort(key=lambda start: squared_error(terms, start, window))
     searched = (minimise(terms, start, window).parameters for start in starts)
     found = []

@@ -107,7 +107,12 @@ def feedback_slope(terms: Sequence[Term], theta: Array, u: Array, y: Array) -> A
 
 def column_norms(matrix: Array) -> Array:
     """Norm of each column, 1 for a column of zeros."""
-    norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+    return norms_of_squares(np.einsum("ij,ij->j", matrix, matrix))
+
+
+def norms_of_squares(squares: Array) -> Array:
+    """Norms from sums of squares, 1 for a sum of zero."""
+    norms = np.sqrt(squares)
     return np.where(norms > 0.0, norms, 1.0)
 
 

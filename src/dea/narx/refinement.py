@@ -18,7 +18,7 @@ from dea.narx.estimation import (
     as_segments,
     estimate,
     normalised,
-    withheld_of_equations,
+    too_little,
 )
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.model import NarxModel
@@ -27,6 +27,7 @@ from dea.narx.parameter_covariance import (
     FreeRun,
     column_norms,
     covariance_of_free_runs,
+    norms_of_squares,
 )
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, input_rows, simulate, structure
@@ -38,14 +39,16 @@ _DIVERGED = 100.0  # times the largest measured output
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
-class StartedRun(NamedTuple):
-    """A free run over one segment from outputs of its own, normalised."""
+class ReducedRuns(NamedTuple):
+    """Free runs whose slope is what starts and trends leave of it.
 
-    u: Array  # (samples,) or (samples, inputs)
-    output: Array  # (samples,)
-    residual: Array  # (samples,) measured less simulated
-    slope: Array  # (samples, parameters) derivative of the output
-    own: Array  # (samples, starts and trend) the same by what only this run has
+    ``slope`` (samples, parameters) is that of all runs, and ``follow`` (starts and trends,
+    parameters) how starts and trends follow where the parameters move.
+    """
+
+    runs: list[FreeRun]
+    slope: Array
+    follow: Array
 
 
 class Minimum(NamedTuple):
@@ -145,7 +148,7 @@ def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment])
     ]
     if not smoothed:
         return np.zeros(len(terms))
-    return least_squares_of(terms, smoothed)[0]
+    return least_squares_of(terms, smoothed).parameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,19 +174,28 @@ class FreeRunFit:
     objective: "_FreeRunsFromFreeStarts"
 
     @cached_property
+    def reduced(self) -> ReducedRuns:
+        """The runs at the minimum; they do not diverge."""
+        return self.objective.told_apart(self.unknowns)
+
+    @cached_property
     def covariance(self) -> Array:
         """Covariance (terms, terms) of the parameters; NaN where the run diverges."""
-        if np.isfinite(self.msse):
-            return self.objective.covariance(self.unknowns)
-        return np.full((self.parameters.size,) * 2, np.nan)
+        if not np.isfinite(self.msse):
+            return np.full((self.parameters.size,) * 2, np.nan)
+        return covariance_of_free_runs(
+            self.objective.terms, self.parameters, self.reduced.runs, self.unknowns.size
+        )
 
     @cached_property
     def withheld(self) -> str:
         """Why the covariance gives no intervals, empty where it does."""
         if not np.isfinite(self.msse):
             return ""
-        seen = np.vstack([run.slope for run in self.objective.told_apart(self.unknowns)[0]])
-        return withheld_of_equations(seen, self.unknowns.size, np.sqrt(DEPENDENT))
+        seen = self.reduced.slope
+        singular = np.linalg.svd(seen / column_norms(seen), compute_uv=False)
+        undetermined = int(np.sum(singular**2 <= DEPENDENT * singular[0] ** 2))
+        return too_little(len(seen), self.unknowns.size, undetermined)
 
 
 def fit_free_runs(
@@ -220,9 +232,7 @@ def curvature(fit: FreeRunFit) -> float:
     """
     if not np.isfinite(fit.msse):
         return np.inf
-    objective = fit.objective
-    runs, follow = objective.told_apart(fit.unknowns)
-    seen = np.vstack([run.slope for run in runs])
+    objective, seen = fit.objective, fit.reduced.slope
     norms = column_norms(seen)
     covariance = fit.covariance * np.outer(norms, norms)
     middle, largest = objective.outputs(fit.unknowns), 0.0
@@ -232,7 +242,7 @@ def curvature(fit: FreeRunFit) -> float:
         if not variance > 0.0 or energy <= DEPENDENT * size[0] ** 2:
             return np.inf
         moved = _ENDS * np.sqrt(variance) * direction / norms
-        step = np.concatenate([moved, -follow @ moved])
+        step = np.concatenate([moved, -fit.reduced.follow @ moved])
         linear = seen @ moved
         for sign in (1.0, -1.0):
             apart = objective.outputs(fit.unknowns + sign * step) - middle - sign * linear
@@ -256,8 +266,7 @@ class _FreeRuns:
         error, residual, slope = self._whole.linearise(point.x)
         if not np.isfinite(error):
             return None
-        run = StartedRun(np.empty(0), np.empty(0), residual, slope, np.empty((residual.size, 0)))
-        return _damped(error, [run])
+        return _damped(error, [(residual, slope, np.empty((residual.size, 0)))])
 
 
 class _FreeRunsFromFreeStarts:
@@ -266,7 +275,7 @@ class _FreeRunsFromFreeStarts:
     def __init__(
         self, terms: tuple[Term, ...], segments: Sequence[Segment], trend: int = 0
     ) -> None:
-        self._terms, self._segments = terms, segments
+        self.terms, self._segments = terms, segments
         self._lag = structure(terms).start
         self._trends = [_powers(y.size, trend) for _, y in segments]
         self._own = self._lag + trend  # unknowns of each segment
@@ -282,28 +291,28 @@ class _FreeRunsFromFreeStarts:
         theta, starts = self._split(x)
         total = 0.0
         for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True):
-            run = simulate(self._terms, theta, u, own[: self._lag], bound=self._bound)
+            run = simulate(self.terms, theta, u, own[: self._lag], bound=self._bound)
             if not np.isfinite(run[-1]):
                 return Point(x, np.inf, None)
             total += float(np.sum((y - run - powers @ own[self._lag :]) ** 2))
         return Point(x, total, None)
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
-        runs = self.runs(point.x)
-        return _damped(float(sum(run.residual @ run.residual for run in runs)), runs)
+        runs = [(run.residual, run.slope, own) for run, own in self.runs(point.x)]
+        return _damped(float(sum(residual @ residual for residual, _, _ in runs)), runs)
 
     def outputs(self, x: Array) -> Array:
         """Return the runs of all segments with their trends; infinite where one diverges."""
         theta, starts = self._split(x)
         parts = [
-            simulate(self._terms, theta, u, own[: self._lag], bound=self._bound)
+            simulate(self.terms, theta, u, own[: self._lag], bound=self._bound)
             + powers @ own[self._lag :]
             for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True)
         ]
         return np.concatenate(parts)
 
-    def runs(self, x: Array) -> list[StartedRun]:
-        """Return the free run of every segment with its derivatives."""
+    def runs(self, x: Array) -> list[tuple[FreeRun, Array]]:
+        """Return the free run of every segment, and its slope by its own start and trend."""
         theta, starts = self._split(x)
         count, runs = theta.size, []
         for (u, y), powers, unknown in zip(self._segments, self._trends, starts, strict=True):
@@ -311,33 +320,28 @@ class _FreeRunsFromFreeStarts:
             output[: self._lag] = unknown[: self._lag]
             slope = np.zeros((y.size, count + self._lag))
             slope[: self._lag, count:] = np.eye(self._lag)
-            rows = input_rows(self._terms, u)
-            kernels.run_with_slope(structure(self._terms), theta, rows, output, slope, self._bound)
+            rows = input_rows(self.terms, u)
+            kernels.run_with_slope(structure(self.terms), theta, rows, output, slope, self._bound)
             left = y - output - powers @ unknown[self._lag :]
             own = np.hstack([slope[:, count:], powers])
-            runs.append(StartedRun(u, output, left, slope[:, :count], own))
+            runs.append((FreeRun(u, output, left, slope[:, :count]), own))
         return runs
 
-    def covariance(self, x: Array) -> Array:
-        """Return the covariance of the parameters, as :class:`FreeRunFit` has it."""
-        runs, _ = self.told_apart(x)
-        return covariance_of_free_runs(self._terms, x[: len(self._terms)], runs, x.size)
+    def told_apart(self, x: Array) -> ReducedRuns:
+        """Return the runs with the part of their slope that starts and trends leave.
 
-    def told_apart(self, x: Array) -> tuple[list[FreeRun], Array]:
-        """Return runs with the part of their slope that starts and trends leave, and how.
-
-        How: the coefficients (starts and trends, parameters) of the regression of the slope on the
-        columns of starts and trends, which are zero outside of their own segment.
+        It is what the regression on their columns leaves, which are zero outside of their own
+        segment.
         """
         told, follow = [], []
-        for run in self.runs(x):
-            by_own = np.linalg.lstsq(run.own, run.slope, rcond=None)[0]
-            told.append(FreeRun(run.u, run.output, run.residual, run.slope - run.own @ by_own))
+        for run, own in self.runs(x):
+            by_own = np.linalg.lstsq(own, run.slope, rcond=None)[0]
+            told.append(run._replace(slope=run.slope - own @ by_own))
             follow.append(by_own)
-        return told, np.vstack(follow)
+        return ReducedRuns(told, np.vstack([run.slope for run in told]), np.vstack(follow))
 
     def _split(self, x: Array) -> tuple[Array, Array]:
-        count = len(self._terms)
+        count = len(self.terms)
         return x[:count], x[count:].reshape(len(self._segments), self._own)
 
 
@@ -347,23 +351,24 @@ def _powers(samples: int, degree: int) -> Array:
     return time[:, None] ** np.arange(1, degree + 1)
 
 
-def _damped(error: float, runs: Sequence[StartedRun]) -> Model:
+def _damped(error: float, runs: Sequence[tuple[Array, Array, Array]]) -> Model:
     """Return the linearised problem, whose steps are damped in units of each column's norm.
 
-    The unknowns of one run's own meet those of no other run in the normal equations: they are
-    eliminated run by run, so that many short runs cost no more than one that is as long.
+    Of each run there are the residual, its slope by the parameters and by unknowns of its own.
+    These meet those of no other run in the normal equations: they are eliminated run by run, so
+    that many short runs cost no more than one that is as long.
     """
-    count, own = runs[0].slope.shape[1], runs[0].own.shape[1]
+    count, own = (slope.shape[1] for slope in runs[0][1:])
     squares, descent = np.zeros((count, count)), np.zeros(count)
     both = np.empty((len(runs), own, count))
     blocks, falls = np.empty((len(runs), own, own)), np.empty((len(runs), own, 1))
-    for i, run in enumerate(runs):
-        squares += run.slope.T @ run.slope
-        descent += run.slope.T @ run.residual
-        both[i], blocks[i] = run.own.T @ run.slope, run.own.T @ run.own
-        falls[i, :, 0] = run.own.T @ run.residual
-    norms = _roots(np.diag(squares))
-    own_norms = _roots(np.einsum("kii->ki", blocks))[:, :, None]
+    for i, (residual, slope, of_own) in enumerate(runs):
+        squares += slope.T @ slope
+        descent += slope.T @ residual
+        both[i], blocks[i] = of_own.T @ slope, of_own.T @ of_own
+        falls[i, :, 0] = of_own.T @ residual
+    norms = norms_of_squares(np.diag(squares))
+    own_norms = norms_of_squares(np.einsum("kii->ki", blocks))[:, :, None]
     squares, descent = squares / np.outer(norms, norms), descent / norms
     both, falls = both / own_norms / norms, falls / own_norms
     blocks = blocks / own_norms / own_norms.transpose(0, 2, 1)
@@ -378,15 +383,10 @@ def _damped(error: float, runs: Sequence[StartedRun]) -> Model:
         energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
         towards = descent - np.einsum("koi,ko->i", both, by_falls[:, :, 0])
         moved = directions @ (directions.T @ towards / (energy + damping))
-        of_own = by_falls[:, :, 0] - by_parameters @ moved
-        return np.concatenate([moved / norms, (of_own / own_norms[:, :, 0]).ravel()])
+        followed = by_falls[:, :, 0] - by_parameters @ moved
+        return np.concatenate([moved / norms, (followed / own_norms[:, :, 0]).ravel()])
 
     return Model(error, step)
-
-
-def _roots(squares: Array) -> Array:
-    """Return roots, 1 for zero."""
-    return np.where(squares > 0.0, np.sqrt(squares), 1.0)
 
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:

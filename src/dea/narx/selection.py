@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -11,15 +10,14 @@ from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.candidate_models import CandidateModels, Segment
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
-from dea.narx.checks import Array
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
+    LeastSquares,
     Signals,
     as_segments,
     least_squares,
     listed,
     normalised,
-    reason_to_withhold,
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
@@ -98,14 +96,8 @@ def select_terms(
         u, y, y_lags=y_lags, u_lags=u_lags, degree=degree, even_in_input=even_in_input,
         search=search, scaling=scaling,
     )  # fmt: skip
-    if found.fit is None:
-        theta, covariance = least_squares(found.terms, found.segments)
-        withheld = reason_to_withhold(found.terms, theta, found.segments)
-    else:
-        theta, covariance = found.fit.parameters, found.fit.covariance
-        withheld = found.fit.withheld
-    model = _model(found.terms, theta, covariance, found.scale, found.test, found.trace)
-    return replace(model, withheld=withheld, labels=found.labels)
+    fit = found.fit or least_squares(found.terms, found.segments)
+    return _model(found.terms, fit, found.scale, found.labels, found.test, found.trace)
 
 
 class Searched(NamedTuple):
@@ -187,11 +179,7 @@ def select_common_terms(
     trace, tests = Trace(), [StabilityTest(segments) for segments in systems]
     found = find(candidates, systems, tests, search or Refined(), trace)
     return [
-        replace(
-            _model(found.terms, fit.parameters, fit.covariance, scale, test, trace),
-            withheld=fit.withheld,
-            labels=labels,
-        )
+        _model(found.terms, fit, scale, labels, test, trace)
         for fit, scale, test, (_, _, labels) in zip(found.fits, scales, tests, known, strict=True)
     ]
 
@@ -227,17 +215,25 @@ def _by_least_squares(
 
 def _model(
     terms: tuple[Term, ...],
-    parameters: Array,
-    covariance: Array,
+    fit: FreeRunFit | LeastSquares,
     scale: Scaling,
+    labels: Labels,
     test: StabilityTest,
     trace: Trace,
 ) -> NarxModel:
-    checked = assess(terms, parameters, scale, test)
+    checked = assess(terms, fit.parameters, scale, test)
     if not checked.stable:
         warnings.warn(str(checked), UnstableModel, stacklevel=3)
-    described = trace.to_dataset()
-    return NarxModel(terms, parameters, scale, covariance, described, checked=checked)
+    return NarxModel(
+        terms,
+        fit.parameters,
+        scale,
+        fit.covariance,
+        trace.to_dataset(),
+        fit.withheld,
+        checked,
+        labels,
+    )
 
 
 def _candidates(
