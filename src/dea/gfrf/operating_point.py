@@ -7,7 +7,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
-from dea.narx import simulate
+from dea.narx import polished, simulate
 from dea.terms import Term, max_lag, static_value
 
 Array = NDArray[np.float64]
@@ -97,15 +97,13 @@ def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: Array) -> list[
     if coefficients.size < 2:
         return []
     candidates = polynomial.polyroots(coefficients)
-    slope = polynomial.polyder(coefficients)
-    roots = []
     # A double root of real coefficients is computed with an imaginary part near the square root
     # of the rounding error; it attracts from one side only and is not a rest.
-    for root in candidates.real[np.abs(candidates.imag) <= 1e-9 * (1.0 + np.abs(candidates))]:
-        for _ in range(2):  # Newton steps: polyroots computes eigenvalues, which lose a few digits
-            gradient = polynomial.polyval(root, slope)
-            if gradient != 0.0:
-                root = root - polynomial.polyval(root, coefficients) / gradient
-        if spectral_radius(expand(terms, theta, np.asarray(root), u0)) < 1.0:
-            roots.append(float(root))
-    return roots
+    real = candidates.real[np.abs(candidates.imag) <= 1e-9 * (1.0 + np.abs(candidates))]
+    # They are eigenvalues, which lose a few digits.
+    roots = polished(real[None], coefficients[None])[0].real
+    return [
+        float(root)
+        for root in roots
+        if spectral_radius(expand(terms, theta, np.asarray(root), u0)) < 1.0
+    ]

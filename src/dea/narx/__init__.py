@@ -27,6 +27,7 @@ from dea.narx.published import load_published
 from dea.narx.refinement import FreeRunFit, curvature, estimate_refined, fit_free_runs, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
+from dea.narx.rest import polished
 from dea.narx.scaling import Scaling
 from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined
 from dea.narx.selection import select_common_terms, select_terms
@@ -85,6 +86,7 @@ __all__ = [
     "padded_lags",
     "pair",
     "parameter_interval",
+    "polished",
     "quantile",
     "rate_of",
     "refine",

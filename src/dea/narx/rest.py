@@ -80,14 +80,14 @@ def _real_roots(
         companion[:, :, -1] = -coefficients[levels, :degree] / coefficients[levels, degree, None]
         polynomials = coefficients[levels, : degree + 1]
         for level, roots in zip(
-            levels.tolist(), _polished(np.linalg.eigvals(companion), polynomials), strict=True
+            levels.tolist(), polished(np.linalg.eigvals(companion), polynomials), strict=True
         ):
             found = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
             real[level] = found[np.abs(found) <= limit]
     return real
 
 
-def _polished(roots: Array | Complex, coefficients: Array) -> Complex:
+def polished(roots: Array | Complex, coefficients: Array) -> Complex:
     """Return roots (levels, degree) of polynomials (levels, degree + 1) after Newton steps.
 
     A step is taken where it lowers the modulus of the polynomial.
