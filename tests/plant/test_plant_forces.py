@@ -102,12 +102,12 @@ def test_a_force_of_the_place_is_as_published(name, d):
 
 @pytest.mark.parametrize("y", [-2.0, 0.3, 0.8, 2.5])
 def test_recruited_fibres_and_a_buckled_strip_are_as_published(y):
-    """Fibres one by one (Lanir 1983); a sine under a Gaussian that crosses zero at its place."""
+    """Fibres one by one (Lanir 1983); a sine under a Gaussian that falls where the strip snaps."""
     taut = quad(lambda w: (y - w) * norm.pdf(w, 0.8, 0.3), -3.0, y, points=[0.8])[0]
     found = force(forces.FIBRES, [3.0, 0.8, 0.3], y)
     assert found == pytest.approx(3.0 * taut, rel=1e-6, abs=1e-9)
     place = (y - 0.4) / 1.7
-    strip = 3.0 * np.sin(2 * np.pi * place) * np.exp(-(place**2))
+    strip = -3.0 * np.sin(2 * np.pi * place) * np.exp(-(place**2))
     assert force(forces.SNAP_THROUGH, [3.0, 0.4, 1.7], y) == pytest.approx(strip)
 
 
