@@ -151,6 +151,39 @@ def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
     assert latch.trip(device)["reason"] == "the door is open"
 
 
+@pytest.mark.parametrize("ending", [KeyboardInterrupt, OSError])
+def test_a_trip_binds_until_its_acknowledgement_is_kept(device, monkeypatch, ending):
+    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    bound = []
+
+    def ended(*_, **__):
+        bound.append(latch.trip(device))
+        raise ending
+
+    with monkeypatch.context() as patched:
+        patched.setattr(latch, "_log", ended)
+        patched.setattr("os.link", ended)  # as on a file system without hard links
+        with pytest.raises(ending):
+            latch.acknowledge(device, "A. Person")
+    assert [trip["reason"] for trip in bound] == ["the door is open"]
+    assert latch.trip(device) == bound[0]
+    assert latch.acknowledge(device, "A. Person") == "the door is open"
+    assert latch.trip(device) is None
+
+
+def test_a_trip_that_two_acknowledge_at_once_is_cleared_once(device, monkeypatch):
+    path, log = latch.latch_file(device), latch._log
+    latch.latch(path, device.name, "the door is open")
+
+    def meanwhile(*what):
+        path.unlink()
+        log(*what)
+
+    monkeypatch.setattr(latch, "_log", meanwhile)
+    assert latch.acknowledge(device, "A. Person") == "the door is open"
+    assert latch.trip(device) is None
+
+
 def test_a_full_disk_that_would_take_no_trip_is_refused_before_any_voltage(device, monkeypatch):
     def full(_):
         raise OSError(errno.ENOSPC, "No space left on device")

@@ -126,26 +126,39 @@ def acknowledge(device: Device, person: str) -> str | None:
         raise InputError(
             "a trip is acknowledged by a person", field="by", remedy="Give your name: --by NAME"
         )
-    path = latch_file(device)
-    in_memory = held(device)
-    # Under its own name a trip that happens meanwhile would be cleared with it.
-    taken = path.with_name(f"{path.name}.{os.getpid()}")
-    with suppress(FileNotFoundError, NotADirectoryError):
-        path.rename(taken)
-    found = _read(taken) or in_memory
+    path, in_memory = latch_file(device), held(device)
+    kept = _identity(path)  # before it is read: a trip that replaces it since then is not cleared
+    found = _read(path) or in_memory
     if found is None:
         return None
-    try:
-        _log(path, found, person)
-    except OSError:
-        with suppress(OSError):  # another trip has its name by now, or only memory has held it
-            os.link(taken, path)
-        raise
-    finally:
-        taken.unlink(missing_ok=True)
+    # First, so that whatever ends this program clears no trip that the log does not hold.
+    _log(path, found, person)
+    if kept is not None:
+        _clear(path, kept)
     if held(device) == in_memory:
         release(device)
     return found["reason"]
+
+
+def _clear(path: Path, kept: tuple[int, int]) -> None:
+    """Delete the trip with this identity, and no other that has its name by now."""
+    # Under its own name a trip that happens meanwhile would be deleted with it.
+    taken = path.with_name(f"{path.name}.{os.getpid()}")
+    with suppress(FileNotFoundError):  # somebody else has acknowledged it too
+        path.rename(taken)
+        if _identity(taken) == kept:
+            taken.unlink()
+        else:
+            taken.replace(path)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what tells a file from one that replaces it, or None where there is none."""
+    try:
+        found = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    return found.st_ino, found.st_mtime_ns
 
 
 def _log(path: Path, found: dict[str, str], person: str) -> None:
