@@ -185,6 +185,14 @@ def description_of(product: Path) -> Path:
     return FOLDER / relative.with_name(f"{relative.name}.json")
 
 
+def sources(job: Mapping[str, Any], run: Mapping[str, Any]) -> dict[str, str]:
+    """Return the SHA-256 of all that a described job was made from, by path.
+
+    Its inputs, and what it has read beside them as its run noted it.
+    """
+    return {**job["inputs"], **run.get("read", {})}
+
+
 def check(path: Path, sha: str) -> None:
     """Check that a result is what its job made, from what lies there now; other files pass.
 
@@ -199,7 +207,7 @@ def check(path: Path, sha: str) -> None:
     try:
         said = json.loads(description_of(path).read_text(encoding="utf-8"))
         expected, name = said["sha256"], said["job"]["name"]
-        made_from = (said["job"]["inputs"] | said.get("run", {}).get("read", {})).items()
+        made_from = sources(said["job"], said.get("run", {})).items()
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"nothing says which job made it ({error!r})", file=path, remedy=remedy

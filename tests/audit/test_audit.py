@@ -14,6 +14,7 @@ import pytest
 from dea import archive, provenance
 from dea.audit import Manifest, collect, verify
 from dea.audit.__main__ import main
+from dea.audit.recompute import recompute
 from dea.audit.verify import in_order, resting_on
 from dea.errors import InputError
 
@@ -470,6 +471,51 @@ def test_a_file_that_a_job_read_beside_its_inputs_is_named(study, monkeypatch):
     assert found_after_another_run() == {"helper.py": "has changed since results were made from it"}
     Path("helper.py").unlink()
     assert found_after_another_run() == {"helper.py": "is missing"}
+
+
+def make_reading(monkeypatch, product, read):
+    """Make a product again whose job reads a file beside its inputs."""
+    content = Path.write_text
+
+    def reading(*arguments, **options):
+        provenance.note_read([Path(read)])
+        return content(*arguments, **options)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("pathlib.Path.write_text", reading)
+        make(monkeypatch, product)
+
+
+def test_a_job_after_one_that_read_a_file_beside_its_inputs_is_run_again(study, monkeypatch):
+    Path("helpers").mkdir()
+    Path("helpers/rate.py").write_text("RATE = 1.0\n")
+    make_reading(monkeypatch, "results/a/model.nc", "helpers/rate.py")
+    for product in ("results/a/track.nc", "results/a/model.fmu", "results/tables/table1.csv"):
+        make(monkeypatch, product)
+    make(monkeypatch, "results/figures/fig3.png")
+    manifest, began = collect(), Path.cwd()
+
+    def again(command, cwd, **_):
+        monkeypatch.chdir(cwd)
+        (product,) = [word for word in command if word in JOBS]
+        make(monkeypatch, product)
+        monkeypatch.chdir(began)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr("dea.audit.recompute.subprocess.run", again)
+    findings = [finding for _, found in recompute(manifest, len(JOBS), seed=1) for finding in found]
+    assert findings == []
+
+
+def test_products_come_after_those_that_their_jobs_read_beside_their_inputs(study, monkeypatch):
+    make_reading(monkeypatch, "results/a/model.fmu", "results/tables/table1.csv")
+    order = in_order(collect())
+    assert order.index("results/tables/table1.csv") < order.index("results/a/model.fmu")
+
+
+def test_a_job_that_read_what_was_made_from_its_own_product_is_in_the_order(study, monkeypatch):
+    make_reading(monkeypatch, "results/a/record.nc", "results/tables/table1.csv")
+    assert sorted(in_order(collect())) == sorted(JOBS)
 
 
 def test_one_byte_flipped_in_each_file_is_found(study):

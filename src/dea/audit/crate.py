@@ -18,7 +18,6 @@ from rocrate.rocrate import ROCrate
 
 from dea import provenance
 from dea.audit.manifest import Manifest, collect
-from dea.audit.verify import read_beside
 
 WORKFLOW = Path("Snakefile")
 # All files that say what the workflow does, beside the code of its jobs.
@@ -118,7 +117,7 @@ class _Crate:
             "identifier": identity,
             "description": " ".join(["python -m", *job["command"]]),
             "instrument": tool,
-            "object": [*map(self._file, (*job["inputs"], *read_beside(job))), settings],
+            "object": [*map(self._file, provenance.sources(job, run)), settings],
             "result": [self._file(path) for path in products],
             "actionStatus": {"@id": "http://schema.org/CompletedActionStatus"},
         }

@@ -16,7 +16,7 @@ import xarray as xr
 
 from dea import provenance
 from dea.audit.manifest import Manifest
-from dea.audit.verify import Finding, read_beside
+from dea.audit.verify import Finding
 
 # Of numbers that another processor or another linear algebra rounds otherwise.
 TOLERANCE = 1e-6
@@ -52,7 +52,7 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
     for name in ("src", "config", "build", "data", "records"):
         if Path(name).exists():
             (folder / name).symlink_to(Path(name).resolve())
-    for source in (*job["inputs"], *read_beside(job)):
+    for source in provenance.sources(job, job["run"]):
         _bring(manifest, source, folder)
     for product in [p for p, one in manifest.products.items() if one["job"] == identity]:
         (folder / product).parent.mkdir(parents=True, exist_ok=True)
@@ -77,10 +77,11 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
 
 
 def _bring(manifest: Manifest, source: str, folder: Path) -> None:
-    """Copy a result with what says that it is one: its description, and its own inputs."""
+    """Copy a result with what says that it is one: its description, and its own sources."""
     made_from = [source]
     if source in manifest.products:
-        made_from += manifest.jobs[manifest.products[source]["job"]]["inputs"]
+        job = manifest.jobs[manifest.products[source]["job"]]
+        made_from += provenance.sources(job, job["run"])
         made_from.append(str(provenance.description_of(Path(source))))
     for name in made_from:
         target = folder / name

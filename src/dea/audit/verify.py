@@ -4,9 +4,9 @@ import dataclasses
 import hashlib
 import re
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from dea import archive, provenance
 from dea.audit.manifest import UNLISTED, Manifest, files
@@ -41,24 +41,21 @@ def verify(manifest: Manifest) -> list[Finding]:
 
 def in_order(manifest: Manifest) -> list[str]:
     """Return the products, each after those that it was made from."""
-    ordered: dict[str, None] = {}
+    ordered: list[str] = []
+    begun: set[str] = set()  # a simulation may have read what an earlier run had made from it
 
     def visit(path: str) -> None:
-        if path in ordered or path not in manifest.products:
+        if path in begun or path not in manifest.products:
             return
-        for source in manifest.jobs[manifest.products[path]["job"]]["inputs"]:
+        begun.add(path)
+        job = manifest.jobs[manifest.products[path]["job"]]
+        for source in provenance.sources(job, job["run"]):
             visit(source)
-        ordered[path] = None
+        ordered.append(path)
 
     for path in manifest.products:
         visit(path)
-    return list(ordered)
-
-
-def read_beside(job: Mapping[str, Any]) -> Mapping[str, str]:
-    """Return the SHA-256 of what a job has read beside its inputs, as its run noted it."""
-    read: Mapping[str, str] = job["run"].get("read", {})
-    return read
+    return ordered
 
 
 def resting_on(path: str, manifest: Manifest) -> list[str]:
@@ -66,7 +63,7 @@ def resting_on(path: str, manifest: Manifest) -> list[str]:
     spoilt = {path}
     for product in in_order(manifest):
         job = manifest.jobs[manifest.products[product]["job"]]
-        if spoilt & {*job["inputs"], *job["code"], *read_beside(job)}:
+        if spoilt & {*provenance.sources(job, job["run"]), *job["code"]}:
             spoilt.add(product)
     return [product for product in in_order(manifest) if product in spoilt - {path}]
 
@@ -114,15 +111,13 @@ def _jobs(manifest: Manifest) -> Iterator[Finding]:
 
 def _links(manifest: Manifest) -> Iterator[Finding]:
     for path, product in manifest.products.items():
-        for source, sha in manifest.jobs[product["job"]]["inputs"].items():
+        job = manifest.jobs[product["job"]]
+        for source, sha in provenance.sources(job, job["run"]).items():
             if source in manifest.products:
                 if manifest.products[source]["sha256"] != sha:
                     yield Finding(path, f"was made from another {source}")
             else:
                 yield from _source(source, sha)
-    for job in manifest.jobs.values():
-        for source, sha in read_beside(job).items():
-            yield from _source(source, sha)
 
 
 def _source(path: str, sha: str) -> Iterator[Finding]:

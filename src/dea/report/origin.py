@@ -23,7 +23,7 @@ def origin(product: Path) -> str:
     job, run = said["job"], said["run"]
     rows = [
         ("file", _link(str(product))),
-        ("data", ", ".join(map(_link, (*job["inputs"], *run.get("read", ())))) or "none"),
+        ("data", ", ".join(map(_link, provenance.sources(job, run))) or "none"),
         ("job", f"{escape(job['name'])}, rule {escape(job['rule'])}, {_code(said['identity'])}"),
         ("command", _code(" ".join(["python -m", *job["command"]]))),
         ("settings", f"<pre>{escape(json.dumps(job['settings'], indent=1, sort_keys=True))}</pre>"),
