@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -55,13 +56,19 @@ def study(tmp_path, monkeypatch):
     return packages
 
 
-def make(monkeypatch, product, settings=None):
-    sources, code = JOBS[product]
+@contextmanager
+def job(monkeypatch, product, sources, code, settings=None):
+    """Run the block as the job of the workflow that makes this product."""
     monkeypatch.setenv(provenance.JOB, f"results/a/log/{Path(product).stem}.log")
     monkeypatch.setenv(provenance.RULE, Path(product).stem)
     monkeypatch.setenv(provenance.CODE, " ".join(code))
-    inputs, outputs = map(Path, sources), [Path(product)]
-    with provenance.job(["dea.stages.x", product], settings or {}, inputs=inputs, outputs=outputs):
+    command, inputs, outputs = ["dea.stages.x", str(product)], map(Path, sources), [Path(product)]
+    with provenance.job(command, settings or {}, inputs=inputs, outputs=outputs):
+        yield
+
+
+def make(monkeypatch, product, settings=None):
+    with job(monkeypatch, product, *JOBS[product], settings):
         Path(product).parent.mkdir(parents=True, exist_ok=True)
         Path(product).write_text(f"{product} by {provenance.current_job()}\n")
 
@@ -184,11 +191,7 @@ def test_a_file_that_the_hash_of_a_folder_does_not_hold_is_named(
     study, monkeypatch, tmp_path_factory
 ):
     records = Path("results/trials/records")
-    monkeypatch.setenv(provenance.JOB, "results/trials/log/acquire.log")
-    monkeypatch.setenv(provenance.RULE, "acquire")
-    monkeypatch.setenv(provenance.CODE, "src/acquire.py")
-    command = ["dea.stages.x", str(records)]
-    with provenance.job(command, {}, inputs=[], outputs=[records]):
+    with job(monkeypatch, records, sources=[], code=["src/acquire.py"]):
         records.mkdir(parents=True)
         (records / "0.nc").write_text("measured")
     (records / ".snakemake_timestamp").touch()
@@ -458,11 +461,8 @@ def test_a_config_file_that_has_changed_is_named(study):
 
 def test_a_file_that_a_job_read_beside_its_inputs_is_named(study, monkeypatch):
     Path("helper.py").write_text("RATE = 1.0\n")
-    monkeypatch.setenv(provenance.JOB, "results/a/log/model.log")
-    monkeypatch.setenv(provenance.RULE, "model")
-    monkeypatch.setenv(provenance.CODE, "src/select.py")
     product = Path("results/a/other.nc")
-    with provenance.job(["x", str(product)], {}, inputs=[], outputs=[product]):
+    with job(monkeypatch, product, sources=[], code=["src/select.py"]):
         provenance.note_read([Path("helper.py")])
         product.write_text("made")
     assert found_after_another_run() == {}
