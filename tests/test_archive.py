@@ -1,5 +1,4 @@
 import errno
-import os
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -7,6 +6,7 @@ import pytest
 
 from dea import archive
 from dea.errors import InputError
+from synced_files import note_synced
 
 BEGUN = datetime(2026, 3, 1, 12, 30, 5, tzinfo=UTC)
 
@@ -50,18 +50,14 @@ def sealed_from_samples(root):
 def test_what_a_record_was_made_from_is_removed_once_all_of_it_is_on_the_disk(
     tmp_path, monkeypatch
 ):
-    done, sync, unlink = [], os.fsync, Path.unlink
-
-    def noted(handle):
-        done.append(Path(os.readlink(f"/proc/self/fd/{handle}")).name)
-        sync(handle)
+    done, unlink = [], Path.unlink
 
     def removed(path, **options):
         if path.exists():
             done.append(f"without {path.name}")
         unlink(path, **options)
 
-    monkeypatch.setattr("os.fsync", noted)
+    note_synced(monkeypatch, done)
     monkeypatch.setattr(Path, "unlink", removed)
     folder = sealed_from_samples(tmp_path)
     assert {"record.nc", "device.yaml"} <= set(done)

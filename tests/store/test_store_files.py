@@ -1,6 +1,5 @@
 import json
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +7,7 @@ import xarray as xr
 
 from dea import store
 from dea.errors import InputError
+from synced_files import note_synced
 
 
 def record(samples=100):
@@ -87,18 +87,13 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path):
 
 def test_a_file_is_on_the_disk_before_it_takes_its_name(tmp_path, monkeypatch):
     """What it was made from may be removed then."""
-    done, path = [], tmp_path / "result.txt"
-    sync, rename = os.fsync, os.replace
-
-    def fsync(handle):
-        done.append(Path(f"/proc/self/fd/{handle}").resolve().name)
-        sync(handle)
+    done, path, rename = [], tmp_path / "result.txt", os.replace
 
     def replace(old, new):
         done.append("renamed")
         rename(old, new)
 
-    monkeypatch.setattr("os.fsync", fsync)
+    note_synced(monkeypatch, done)
     monkeypatch.setattr("os.replace", replace)
     with store.atomic(path) as partial:
         partial.write_text("whole")
