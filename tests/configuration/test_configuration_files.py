@@ -9,6 +9,7 @@ import pytest
 import yaml
 from pydantic import create_model
 
+from changed_content import changed
 from dea.configuration.bench import Plant
 from dea.configuration.case import Case, check_case
 from dea.configuration.page import FILES, json_schema, page
@@ -97,23 +98,17 @@ def test_every_number_out_of_range_is_refused_with_key_and_range(path, file):
             continue
         for bad in (float("nan"), *outside(file, content, place)):
             with pytest.raises(InputError) as caught:
-                check(file, put(content, place, bad))
+                check(file, changed(content, place, bad))
             field = dotted(place)
             assert field.startswith(caught.value.field), (place, bad, str(caught.value))
             assert re.search(r"Give .*(number|low)", str(caught.value))
             assert "\n" not in str(caught.value)
 
 
-def put(content, place, value):
-    changed = copy.deepcopy(content)
-    at(changed, place[:-1])[place[-1]] = value
-    return changed
-
-
 def outside(file, content, place):
     """Return numbers beyond the bounds that the refusal of a value that is none tells."""
     with pytest.raises(InputError) as caught:
-        check(file, put(content, place, float("nan")))
+        check(file, changed(content, place, float("nan")))
     said = str(caught.value).split("Give ")[1]
     found = []
     # Of a value that may be one of several things, the range of the widest is left.

@@ -1,11 +1,11 @@
 """config/config.yaml and the cases: what is wrong is named on one line, with the nearest key."""
 
-import copy
 from pathlib import Path
 
 import pytest
 import yaml
 
+from changed_content import REMOVED, changed
 from dea.configuration.case import SECTIONS, check_case, read_cases, simulation_of
 from dea.configuration.study import check_actuators, check_names, check_study, settings
 from dea.errors import InputError
@@ -13,19 +13,6 @@ from dea.errors import InputError
 CONFIG = Path(__file__).parents[2] / "config"
 STUDY = yaml.safe_load((CONFIG / "config.yaml").read_text())
 CASES = {path: yaml.safe_load(path.read_text()) for path in sorted(CONFIG.glob("cases/*.yaml"))}
-REMOVED = object()
-
-
-def changed(content, place, value):
-    content = copy.deepcopy(content)
-    inner = content
-    for step in place[:-1]:
-        inner = inner[step]
-    if value is REMOVED:
-        del inner[place[-1]]
-    else:
-        inner[place[-1]] = value
-    return content
 
 
 def test_the_settings_of_jobs_are_those_that_were_written():

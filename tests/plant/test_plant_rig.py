@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
+from changed_content import REMOVED, changed
 from dea.errors import InputError
 from dea.excitation import design
 from dea.modbus import read_device, to_counts, to_physical
@@ -119,7 +120,9 @@ def test_after_the_voltage_the_film_returns():
 
 def test_a_film_pulled_in_is_a_fault_and_still_measured(tmp_path):
     """It sinks until it is shorted, and springs back: the film holds the ball without voltage."""
-    rig = Rig.from_config(changed(tmp_path, ["actuators", "dea1", "prestretch"], 3.4), "dea1", 1)
+    rig = Rig.from_config(
+        bench_changed(tmp_path, ["actuators", "dea1", "prestretch"], 3.4), "dea1", 1
+    )
     _, measured = rig.advance(np.full(500, 8.0 * VOLT, np.uint16))
     assert rig.fault == 1
     assert measured.max() > 1.05 * measured[0]
@@ -205,17 +208,9 @@ def test_the_anti_alias_filter_is_a_butterworth():
     assert np.abs(response[0]) == pytest.approx(np.sqrt(0.5))
 
 
-def changed(folder, keys, value):
-    content = yaml.safe_load(CONFIG.read_text())
-    place = content
-    for key in keys[:-1]:
-        place = place[key]
-    if value is None:
-        del place[keys[-1]]
-    else:
-        place[keys[-1]] = value
+def bench_changed(folder, keys, value):
     path = folder / "bench.yaml"
-    path.write_text(yaml.safe_dump(content))
+    path.write_text(yaml.safe_dump(changed(yaml.safe_load(CONFIG.read_text()), keys, value)))
     return path
 
 
@@ -223,7 +218,7 @@ def changed(folder, keys, value):
     ("keys", "value", "field"),
     [
         (["film", "mas"], {"value": 1.0, "unit": "kg", "source": ""}, "film.mas"),
-        (["film", "mass"], None, "film.mass"),
+        (["film", "mass"], REMOVED, "film.mass"),
         (["film", "mass", "unit"], "g", "film.mass.unit"),
         (["film", "mass", "value"], "heavy", "film.mass.value"),
         (["film", "mass", "value"], -3.0, "film.mass.value"),
@@ -237,7 +232,7 @@ def changed(folder, keys, value):
         (["actuators", "dea1", "contact_radius"], 30e-3, "actuators.dea1"),
         (["actuators", "dea1", "prestrech"], 2.5, "actuators.dea1.prestrech"),
         (["actuators", "dea1", "prestretch"], 9.0, "actuators.dea1.prestretch"),
-        (["actuators", "dea1"], None, "actuators"),
+        (["actuators", "dea1"], REMOVED, "actuators"),
         (["actuators", "dea1"], [1.0], "actuators.dea1"),
         (["amplifier"], 3.0, "amplifier"),
         (["lasers"], {}, "lasers"),
@@ -245,7 +240,7 @@ def changed(folder, keys, value):
     ],
 )
 def test_a_wrong_configuration_is_named(tmp_path, keys, value, field):
-    path = changed(tmp_path, keys, value)
+    path = bench_changed(tmp_path, keys, value)
     with pytest.raises(InputError) as error:
         Rig.from_config(path, "dea1", 1)
     assert error.value.field == field
@@ -260,12 +255,12 @@ def test_a_wrong_configuration_is_named(tmp_path, keys, value, field):
         (["plain", "film", "damping"], -3.0, "plain.film.damping"),
         (["plain", "lens"], {}, "plain.lens"),
         (["plain", "sensor"], 3.0, "plain.sensor"),
-        (["plain"], None, "plain"),
+        (["plain"], REMOVED, "plain"),
     ],
 )
 def test_a_wrong_plain_actuator_is_named(tmp_path, keys, value, field):
     with pytest.raises(InputError) as error:
-        read_plain(changed(tmp_path, keys, value))
+        read_plain(bench_changed(tmp_path, keys, value))
     assert error.value.field == field
 
 
@@ -291,4 +286,4 @@ def test_an_unreadable_configuration_is_named(tmp_path):
 
 def test_a_film_that_cannot_carry_the_mass_is_refused(tmp_path):
     with pytest.raises(InputError, match="does not carry the mass"):
-        Rig.from_config(changed(tmp_path, ["film", "mass", "value"], 0.9), "dea1", 1)
+        Rig.from_config(bench_changed(tmp_path, ["film", "mass", "value"], 0.9), "dea1", 1)
