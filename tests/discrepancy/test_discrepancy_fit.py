@@ -141,16 +141,26 @@ def test_the_lower_bound_of_a_gain_holds_for_the_whole_catalogue():
     assert held >= 0.85 * repeats
 
 
+def smooth(rng):
+    """Return 3000 samples of a slow signal: noise, averaged over 101 of its samples."""
+    return np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid")
+
+
+def located(u, y, gap, rng):
+    """Where a residual is concentrated in a record all of whose samples are used."""
+    problem = Problem(u, y, INTERVAL, *(np.ones(u.size, bool),) * 3)
+    return localise(problem, gap, INPUT, "mm", problem.fit, rng)
+
+
 @pytest.mark.parametrize("memory", [1, 50, 200])
 def test_chance_is_rarely_called_a_place(memory):
     """A first-order autoregression whose autocorrelation adds up to these samples."""
     rng = np.random.default_rng(5)
     called, kept = 0, (memory - 1) / (memory + 1)
     for _ in range(40):
-        u = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid")
+        u = smooth(rng)
         gap = lfilter([1.0], [1.0, -kept], rng.standard_normal(3000 + 10 * memory))[10 * memory :]
-        problem = Problem(u, u + gap, INTERVAL, *(np.ones(3000, bool),) * 3)
-        found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
+        found = located(u, u + gap, gap, rng)
         called += found.strongest is not None
         assert found.told == bool(np.isfinite(found.dataset["time_probability"]))
     # 5 % of 40 are two; six come up in 1.4 % of such series.
@@ -160,10 +170,9 @@ def test_chance_is_rarely_called_a_place(memory):
 def test_where_a_slow_residual_is_concentrated_cannot_be_told():
     """Fifteen memories of the residual are no blocks from which to learn what chance makes."""
     rng = np.random.default_rng(7)
-    u = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid")
+    u = smooth(rng)
     gap = lfilter([1.0], [1.0, -199 / 201], rng.standard_normal(5000))[2000:]
-    problem = Problem(u, u + gap, INTERVAL, *(np.ones(3000, bool),) * 3)
-    found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
+    found = located(u, u + gap, gap, rng)
     assert (found.told, found.strongest) == (False, None)
     assert np.isnan(found.dataset["time_null"]).all()
     assert "(RMS) changes too slowly for the record to say where it is" in where_sentence(found)
@@ -174,9 +183,7 @@ def test_a_periodic_residual_is_found_where_it_is_largest():
     rng = np.random.default_rng(8)
     phase = 2 * np.pi * np.arange(3000) / 40
     gap = np.maximum(np.sin(phase) - 0.5, 0.0) + 0.02 * rng.standard_normal(3000)
-    y = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid") + gap
-    problem = Problem(np.sin(phase), y, INTERVAL, *(np.ones(3000, bool),) * 3)
-    found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
+    found = located(np.sin(phase), smooth(rng) + gap, gap, rng)
     assert found.strongest == "input"
     assert found.concentration.number == 11
 
@@ -186,20 +193,18 @@ def test_a_level_that_rises_once_is_found():
     rng = np.random.default_rng(9)
     u = rng.standard_normal(3000)
     gap = rng.standard_normal(3000) * np.where(np.arange(3000) < 2000, 1.0, 4.0)
-    problem = Problem(u, u + gap, INTERVAL, *(np.ones(3000, bool),) * 3)
-    found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
+    found = located(u, u + gap, gap, rng)
     assert found.strongest == "time"
     assert found.concentration.low > 2000 * INTERVAL - 1e-6
 
 
 def test_a_gap_is_found_where_it_is():
     rng = np.random.default_rng(6)
-    u = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid")
+    u = smooth(rng)
     gap = rng.standard_normal(3000) * np.where(u > np.quantile(u, 0.9), 5.0, 1.0)
     # What the simulation gives out is another signal, so that only the input tells.
-    y = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid") + gap
-    problem = Problem(u, y, INTERVAL, *(np.ones(3000, bool),) * 3)
-    found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
+    y = smooth(rng) + gap
+    found = located(u, y, gap, rng)
     assert found.strongest == "input"
     assert "where the input is between" in where_sentence(found)
 
