@@ -1,6 +1,6 @@
 """A tracked model's frequency responses set against the best linear approximation, as a dataset."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -8,8 +8,18 @@ from numpy.typing import NDArray
 
 from dea.nonparametric.agreement import RelativeBand, compare_intermodulation, compare_response
 from dea.nonparametric.best_linear import BestLinear
-from dea.nonparametric.intermodulation import Complex, intermodulation, signed
+from dea.nonparametric.intermodulation import (
+    Complex,
+    Intermodulation,
+    intermodulation,
+    signed,
+)
 from dea.nonparametric.periods import Array
+
+# Dimensions, values, units and label of each variable.
+Variables: TypeAlias = dict[str, tuple[tuple[str, ...], Array | NDArray[np.int8], str, str]]
+_LINES = ("stretch", "frequency")
+_EVEN = ("stretch", "even_frequency")
 
 
 class Modelled(NamedTuple):
@@ -54,89 +64,22 @@ def confirmation(
     frequency = measured["frequency"].values
     step = frequency[0] / found[0].lines[0]
     last = int(highest / step + 1e-9)
-    agreements = [
-        compare_response(each, model.H1, model.band)
-        for each, model in zip(found, modelled, strict=True)
-    ]
     even = [
         intermodulation(each, model.H2, last) for each, model in zip(found, modelled, strict=True)
     ]
-    units = measured["response"].attrs["units"]
-    output_units = measured["output_level"].attrs["units"]
-    H1 = np.stack([model.H1 for model in modelled])
-    gain, phase = np.abs(H1), np.degrees(np.angle(H1))
-    gain_band = gain * np.stack([model.band.gain for model in modelled])
-    phase_band = np.degrees(np.stack([model.band.phase for model in modelled]))
-    at_lines = ("stretch", "frequency")
-    at_even = ("stretch", "even_frequency")
-    variables: dict[str, tuple[tuple[str, ...], Array, str, str]] = {
-        "model": ((*at_lines, "part"), _parts(H1), units, "first-order response of the model"),
-        "model_gain_low": (at_lines, gain - gain_band, units, "lower end of its 95 % band"),
-        "model_gain_high": (at_lines, gain + gain_band, units, "upper end of its 95 % band"),
-        "model_phase_low": (at_lines, phase - phase_band, "degree", "lower end of its 95 % band"),
-        "model_phase_high": (at_lines, phase + phase_band, "degree", "upper end of its 95 % band"),
+    variables = {
+        **_of_models(modelled, measured["response"].attrs["units"]),
         "in_band": (
             ("frequency",),
             (frequency <= highest * (1 + 1e-9)).astype(np.int8),
             "1",
             "1 where the model was identified",
         ),
-        "ratio": (
-            (*at_even, "part"),
-            _parts(np.stack([each.ratio for each in even])),
-            "1",
-            "even line measured over predicted from the second-order response",
-        ),
-        "even_in_band": (
-            at_even,
-            np.stack([each.in_band for each in even]),
-            "1",
-            "1 less the squared part of the prediction by pairs of lines outside the band",
-        ),
+        **_of_ratios(even),
+        **_of_agreements(found, modelled),
+        **_of_even_lines(found, even, measured["output_level"].attrs["units"]),
+        **_of_even_agreements(found, even, modelled, last),
     }
-    for name, field, units_of, label in (
-        ("gain_difference", "gain", "1",
-         "relative difference of the measured gain from the model's"),
-        ("phase_difference", "phase", "degree",
-         "difference of the measured phase from the model's"),
-        ("gain_band", "gain_band", "1",
-         "half-width of the joint 95 % band of the relative difference"),
-        ("phase_band", "phase_band", "degree",
-         "half-width of the joint 95 % band of the difference"),
-    ):  # fmt: skip
-        values = np.stack([getattr(each, field) for each in agreements])
-        values = np.degrees(values) if units_of == "degree" else values
-        variables[name] = (at_lines, values, units_of, label)
-    variables["inside"] = (
-        at_lines,
-        np.stack([each.inside for each in agreements]).astype(np.int8),
-        "1",
-        "1 where gain and phase agree within their joint 95 % band",
-    )
-    pairs = list(zip(found, even, strict=True))
-    for name, levels in (
-        ("measured", [_level(lines.measured) for lines in even]),
-        ("predicted", [_level(lines.predicted) for lines in even]),
-        ("noise", [_level(np.sqrt(each.output_noise[:, lines.lines])) for each, lines in pairs]),
-    ):
-        label = f"even line, {name}, root mean square over realisations"
-        variables[f"even_{name}"] = (at_even, np.stack(levels), output_units, label)
-    inside = np.abs(signed(found[0].lines)) <= last
-    radius = np.stack([np.full(even[0].lines.size, model.radius(inside)) for model in modelled])
-    variables["ratio_radius"] = (
-        at_even,
-        np.hypot(np.stack([lines.radius for lines in even]), radius),
-        "1",
-        "radius of the joint 95 % disc of the ratio",
-    )
-    variables["even_inside"] = (
-        at_even,
-        np.stack(
-            [compare_intermodulation(*each) for each in zip(even, radius, strict=True)]
-        ).astype(np.int8),
-        "1",
-        "1 where the ratio is 1 within its joint 95 % disc",
-    )
     result = measured.assign(
         {
             name: (dims, values, {"units": unit, "long_name": label})
@@ -145,6 +88,118 @@ def confirmation(
     )
     about = {"units": "Hz", "long_name": "frequency of an even line"}
     return result.assign_coords(even_frequency=("even_frequency", even[0].lines * step, about))
+
+
+def _of_models(modelled: list[Modelled], units: str) -> Variables:
+    H1 = np.stack([model.H1 for model in modelled])
+    gain, phase = np.abs(H1), np.degrees(np.angle(H1))
+    gain_band = gain * np.stack([model.band.gain for model in modelled])
+    phase_band = np.degrees(np.stack([model.band.phase for model in modelled]))
+    low, high = "lower end of its 95 % band", "upper end of its 95 % band"
+    return {
+        "model": ((*_LINES, "part"), _parts(H1), units, "first-order response of the model"),
+        "model_gain_low": (_LINES, gain - gain_band, units, low),
+        "model_gain_high": (_LINES, gain + gain_band, units, high),
+        "model_phase_low": (_LINES, phase - phase_band, "degree", low),
+        "model_phase_high": (_LINES, phase + phase_band, "degree", high),
+    }
+
+
+def _of_ratios(even: list[Intermodulation]) -> Variables:
+    return {
+        "ratio": (
+            (*_EVEN, "part"),
+            _parts(np.stack([each.ratio for each in even])),
+            "1",
+            "even line measured over predicted from the second-order response",
+        ),
+        "even_in_band": (
+            _EVEN,
+            np.stack([each.in_band for each in even]),
+            "1",
+            "1 less the squared part of the prediction by pairs of lines outside the band",
+        ),
+    }
+
+
+def _of_agreements(found: list[BestLinear], modelled: list[Modelled]) -> Variables:
+    each = [
+        compare_response(measured, model.H1, model.band)
+        for measured, model in zip(found, modelled, strict=True)
+    ]
+    return {
+        "gain_difference": (
+            _LINES,
+            np.stack([one.gain for one in each]),
+            "1",
+            "relative difference of the measured gain from the model's",
+        ),
+        "phase_difference": (
+            _LINES,
+            np.degrees(np.stack([one.phase for one in each])),
+            "degree",
+            "difference of the measured phase from the model's",
+        ),
+        "gain_band": (
+            _LINES,
+            np.stack([one.gain_band for one in each]),
+            "1",
+            "half-width of the joint 95 % band of the relative difference",
+        ),
+        "phase_band": (
+            _LINES,
+            np.degrees(np.stack([one.phase_band for one in each])),
+            "degree",
+            "half-width of the joint 95 % band of the difference",
+        ),
+        "inside": (
+            _LINES,
+            np.stack([one.inside for one in each]).astype(np.int8),
+            "1",
+            "1 where gain and phase agree within their joint 95 % band",
+        ),
+    }
+
+
+def _of_even_lines(found: list[BestLinear], even: list[Intermodulation], units: str) -> Variables:
+    noise = [
+        np.sqrt(each.output_noise[:, lines.lines]) for each, lines in zip(found, even, strict=True)
+    ]
+    return {
+        f"even_{name}": (
+            _EVEN,
+            np.stack([_level(one) for one in coefficients]),
+            units,
+            f"even line, {name}, root mean square over realisations",
+        )
+        for name, coefficients in (
+            ("measured", [lines.measured for lines in even]),
+            ("predicted", [lines.predicted for lines in even]),
+            ("noise", noise),
+        )
+    }
+
+
+def _of_even_agreements(
+    found: list[BestLinear], even: list[Intermodulation], modelled: list[Modelled], last: int
+) -> Variables:
+    inside = np.abs(signed(found[0].lines)) <= last
+    radius = np.stack([np.full(even[0].lines.size, model.radius(inside)) for model in modelled])
+    agree = [compare_intermodulation(*each) for each in zip(even, radius, strict=True)]
+    return {
+        "ratio_radius": (
+            _EVEN,
+            np.hypot(np.stack([lines.radius for lines in even]), radius),
+            "1",
+            "radius of the joint 95 % disc of the ratio",
+        ),
+        "even_inside": (
+            _EVEN,
+            np.stack(agree).astype(np.int8),
+            "1",
+            "1 where the ratio is 1 within its joint 95 % disc",
+        ),
+    }
 
 
 def _parts(values: Complex) -> Array:
