@@ -154,7 +154,6 @@ def test_a_course_of_time_is_as_published(t):
         in_time.PELEG: t / (a + t),
         in_time.SIGMOID: (1 + np.tanh((t - a) / (2 * b))) / 2,
         in_time.SETTLING: 1 - np.exp(-(t - a) / b) if t > a else 0.0,
-        in_time.INSTANT: float(t >= a),
         # Hu et al. (2010), a sphere.
         in_time.DRAINING: (
             1 - 0.491 * np.exp(-0.908 * np.sqrt(t / a)) - 0.509 * np.exp(-1.679 * t / a)

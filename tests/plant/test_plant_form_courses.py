@@ -173,15 +173,6 @@ def test_a_cleared_electrode_recovers_in_part():
     np.testing.assert_allclose(left[1:] / left[:-1], left[1] / left[0], rtol=1e-5)
 
 
-def test_a_chamber_s_slipping_mount_changes_its_gain():
-    chamber = CONDITIONS._replace(force=False, power=2.0)
-    law, defining = built("step_fault", "slipped_mount", 0.2, 0, chamber)
-    gain = through(law, np.ones(SAMPLES)) ** 2
-    jump = int(np.argmax(np.abs(np.diff(gain)))) + 1
-    assert jump * SUBSTEP == pytest.approx(defining["time"], abs=2 * SUBSTEP)
-    assert np.unique(np.round(gain, 9)).size == 2
-
-
 @pytest.mark.parametrize("form", forms("periodic_disturbance"))
 @pytest.mark.parametrize("seed", range(3))
 def test_a_disturbance_has_its_strongest_line_at_its_frequency(form, seed):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from made_conditions import held, through
+from made_conditions import held, resist, through
 from made_draws import SHARES, UNEVEN, command, drawn
 from scipy.signal import lfilter
 
 from dea.plant.film import SUBSTEP
-from dea.plant.forces import ForceLaw
 
 K, TRAVEL, SPAN = UNEVEN.stiffness, UNEVEN.travel, UNEVEN.span
 DURATION, TIME, POWER = UNEVEN.duration, UNEVEN.time, UNEVEN.power
@@ -254,11 +253,6 @@ def cracked_spring(size, d, t):
     return 0.5 * size * d.sign(size) * K * 5.0 * rise
 
 
-def slipped_mount(size, d, t):
-    slipped = np.where(t > moment(d), 0.5 * size * d.sign(size) * K * 5.0, 0.0)
-    return np.where(np.abs(t - moment(d)) < 2 * SUBSTEP, np.nan, slipped)
-
-
 def settling_load(size, d, t):
     first = d.at(0.01, 0.1) * DURATION
     share = np.log(1.0 + t / first) / np.log(1.0 + DURATION / first)
@@ -282,7 +276,7 @@ def pumped_stiffness(size, d, t):
 
 @pytest.mark.parametrize(
     "law",
-    [cracked_spring, slipped_mount, settling_load, cogging, pumped_stiffness],
+    [cracked_spring, settling_load, cogging, pumped_stiffness],
     ids=lambda law: law.__name__,
 )
 @pytest.mark.parametrize("share", SHARES)
@@ -300,9 +294,19 @@ def test_a_force_comes_with_time_as_the_law_says(law, share, size):
 
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.3, 0.8])
-def test_where_nothing_moves_a_slipped_mount_changes_the_gain(share, size):
-    law, _, draws = drawn("slipped_mount", size, share, UNEVEN._replace(force=False))
-    assert not isinstance(law, ForceLaw)
-    expected = gain(np.where(moment(draws) < T, size * draws.sign(size), 0.0))
-    near = np.abs(T - moment(draws)) < 2 * SUBSTEP
-    np.testing.assert_allclose(through(law, U)[~near], expected[~near], rtol=1e-9)
+def test_a_joint_gives_way_from_its_moment_on_where_it_is_stretched(share, size):
+    """What a joint no longer takes: its stiffness times the play (Krasnosel'skii) of the path."""
+    law, defining, d = drawn("slipping_joint", size, share)
+    assert defining == {"time": pytest.approx(moment(d))}
+    reach = d.at(0.05, 0.3) * TRAVEL
+    steps = np.arange(1, 4001)
+    path = UNEVEN.rest + 2.0 * reach * np.sin(0.013 * steps) * np.sin(0.0011 * steps)
+    dragged, place = [], 0.0
+    for t, x in zip(steps * SUBSTEP, path - UNEVEN.rest, strict=True):
+        if t > moment(d) and abs(x - place) > reach:
+            place = x - np.copysign(reach, x - place)
+        dragged.append(place)
+    assert np.ptp(dragged) > 0.1 * reach
+    assert not np.any(np.array(dragged)[steps * SUBSTEP <= moment(d)])
+    lost = -0.5 * size * K * np.array(dragged)
+    np.testing.assert_allclose(resist(law, path), lost, atol=1e-6)

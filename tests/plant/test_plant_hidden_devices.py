@@ -32,9 +32,9 @@ def test_a_drive_settles_where_torques_are_in_balance():
     assert PlainDrive().rest_and_stiffness() == (0.0, drive.stiffness)
     expected = drive.gain * 3.0 / drive.stiffness
     assert settled(PlainDrive(), 3.0, 3.0) == pytest.approx(expected)
-    half = ForceLaw(SPRING, [0.5 * drive.stiffness, in_time.INSTANT, 0.0, 1.0])
+    half = ForceLaw(SPRING, [0.5 * drive.stiffness, in_time.RAMP, -1.0, 1.0])
     assert settled(PlainDrive(), 3.0, 3.0, [half]) == pytest.approx(expected / 1.5)
-    push = ForceLaw(PUSH, [0.1 * drive.stiffness, in_time.INSTANT, 0.0, 1.0])
+    push = ForceLaw(PUSH, [0.1 * drive.stiffness, in_time.RAMP, -1.0, 1.0])
     assert settled(PlainDrive(), 3.0, 3.0, [push]) == pytest.approx(expected - 0.1)
     both = settled(PlainDrive(), 3.0, 3.0, [push, half])
     assert both == pytest.approx((expected - 0.1) / 1.5)
@@ -58,7 +58,7 @@ def test_a_film_at_rest_is_where_its_weight_holds_it_and_gives_way_by_its_stiffn
     assert stiff.rest_and_stiffness()[1] > 1.05 * stiffness
     # A small force, which comes at once: the film is stiffer until its branches have relaxed.
     force = 1e-3 * stiffness * rest
-    push = ForceLaw(PUSH, [force, in_time.INSTANT, 0.0, 1.0])
+    push = ForceLaw(PUSH, [force, in_time.RAMP, -1.0, 1.0])
     moved = settled(plain, 0.0, 0.3) - settled(plain, 0.0, 0.3, [push])
     assert moved == pytest.approx(force / stiffness, rel=0.15)
 

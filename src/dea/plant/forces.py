@@ -66,6 +66,7 @@ from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
     carry_flag,
+    carry_joint,
     carry_magnet,
     carry_sliders,
     masing_force,
@@ -159,7 +160,8 @@ WIDTH = 64  # length of a row of constants or memory
     TWO_DAMAGES,
     GUIDED,
     DASHPOT_COURSE,
-) = range(57)
+    JOINT,
+) = range(58)
 
 
 class Forces(NamedTuple):
@@ -299,6 +301,8 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += guided_force(c, y)
         elif kind == DASHPOT_COURSE:
             total += dashpot_in_time(c, m, v)
+        elif kind == JOINT:
+            total -= c[0] * m[1]
     return total
 
 
@@ -361,3 +365,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_magnet(c, m, y)
         elif kind == TWO_DAMAGES:
             carry_strain_work(c, m, y)
+        elif kind == JOINT:
+            carry_joint(c, m, y, dt)

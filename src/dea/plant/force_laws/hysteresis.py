@@ -188,6 +188,19 @@ def carry_sliders(c: Array, m: Array, y: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def carry_joint(c: Array, m: Array, y: float, dt: float) -> None:
+    """Drag the slider of a joint, which holds until the moment c[1] and slips at a stretch c[2].
+
+    L. Gaul and R. Nitsche, Appl. Mech. Rev. 54 (2001) 93: a spring of stiffness c[0] in series with
+    dry friction, here without force at c[3]. m: time, and how far the slider has been dragged, to
+    which the force that the joint no longer takes is in proportion.
+    """
+    m[0] += dt
+    if m[0] > c[1]:
+        m[1] = min(max(m[1], y - c[3] - c[2]), y - c[3] + c[2])
+
+
+@njit(cache=True, error_model="numpy")
 def _flag_edge(c: Array, d: float, length: float) -> float:
     """Return a spring c[0] that yields at a length, with a share c[2] of its stiffness left."""
     force: float = c[0] * (d if d < length else length + c[2] * (d - length))

@@ -12,12 +12,11 @@ from dea.plant.array import Array
     PELEG,
     SIGMOID,
     SETTLING,
-    INSTANT,
     DRAINING,
     RAMP,
     STRETCHED,
     INDUCTION,
-) = range(11)
+) = range(10)
 
 
 @njit(cache=True, error_model="numpy")
@@ -27,11 +26,11 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     POWER: 1 - (1 + t/a)^-b; EXPONENTIALS: of time constants a and b, equal shares; LOGARITHM:
     ln(1 + t/a)/ln(1 + b/a), 1 at time b; PELEG: t/(a + t) (M. Peleg, J. Food Sci. 44 (1979) 277);
     SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
-    INSTANT: at a; DRAINING: with one exponential of the root of t/a and one of t/a (Y. Hu et al.,
-    Appl. Phys. Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b;
-    STRETCHED: exponential in (t/a)^b (R. Kohlrausch, Ann. Phys. 91 (1854) 179); INDUCTION: an
-    exponential with time constant b of the integral of a logistic at a of width a/5 (J. Scanlan
-    and W. F. Watson, Trans. Faraday Soc. 54 (1958) 740).
+    DRAINING: with one exponential of the root of t/a and one of t/a (Y. Hu et al., Appl. Phys.
+    Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b; STRETCHED: exponential
+    in (t/a)^b (R. Kohlrausch, Ann. Phys. 91 (1854) 179); INDUCTION: an exponential with time
+    constant b of the integral of a logistic at a of width a/5 (J. Scanlan and W. F. Watson, Trans.
+    Faraday Soc. 54 (1958) 740).
     """
     value: float = 0.0
     if shape == POWER:
@@ -46,8 +45,6 @@ def course(shape: float, a: float, b: float, t: float) -> float:
         value = 1.0 / (1.0 + np.exp(-min(max((t - a) / b, -500.0), 500.0)))
     elif shape == SETTLING:
         value = -np.expm1(-max(t - a, 0.0) / b)
-    elif shape == INSTANT:
-        value = 1.0 if t >= a else 0.0
     elif shape == DRAINING:
         x = t / a
         value = 1.0 - 0.491 * np.exp(-0.908 * np.sqrt(x)) - 0.509 * np.exp(-1.679 * x)

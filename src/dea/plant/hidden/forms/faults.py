@@ -152,15 +152,13 @@ def settling_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _stepping(size, conditions, rng, in_time.SETTLING, width)
 
 
-@reporting("Basseville and Nikiforov, Detection of Abrupt Changes (1993): a mount that slips")
-def slipped_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The stiffness, or where nothing moves the gain, changes within one sub-step."""
+@reporting("Gaul and Nitsche, Appl. Mech. Rev. 54 (2001) 93: a joint that slips", moving=True)
+def slipping_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A joint loses its preload: from then on it slips, by dry friction, where it is stretched."""
     moment = _moment(conditions, rng)
-    change = 0.5 * size * sign(size, rng)
-    if conditions.force:
-        constants = [change * conditions.stiffness, in_time.INSTANT, moment, 1.0]
-        return Built(ForceLaw(forces.STIFFNESS_COURSE, constants), {"time": moment})
-    return _stepping(size, conditions, rng, in_time.INSTANT, 1.0)
+    stretch = rng.uniform(0.05, 0.3) * conditions.travel
+    constants = [0.5 * size * conditions.stiffness, moment, stretch, conditions.rest]
+    return Built(ForceLaw(forces.JOINT, constants), {"time": moment})
 
 
 EFFECTS = (
@@ -168,6 +166,6 @@ EFFECTS = (
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
          rescaled_sensor, dropped_load, lost_effectiveness, thickened_oil, settling_gain,
-         slipped_mount),
+         slipping_joint),
     ),
 )  # fmt: skip
