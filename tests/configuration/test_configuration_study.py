@@ -313,6 +313,13 @@ def of_several(record):
     return {name: value for name, value in record.items() if name != "input"} | {"inputs": INPUTS}
 
 
+def test_a_test_record_is_in_the_units_of_the_record():
+    other = changed(MINE["record"], ["output", "units"], "um")
+    with pytest.raises(InputError, match="in V, um, those of the record in V, mm") as caught:
+        check_case(MINE | {"test_records": {"later": other}}, check_study(STUDY))
+    assert caught.value.field == "test_records.later"
+
+
 @pytest.mark.parametrize(
     ("changes", "field", "words"),
     [

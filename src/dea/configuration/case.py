@@ -57,6 +57,16 @@ class Case(Section):
                         f" record, {count}",
                         "Name the inputs of the record, in the same order.",
                     )
+        wanted = [column.units for column in (*self.record.driving, self.record.output)]
+        for name, test in self.test_records.items():
+            found = [column.units for column in (*test.driving, test.output)]
+            if found != wanted:
+                raise refuse(
+                    f"test_records.{name}",
+                    f"inputs and output are in {', '.join(found)}, those of the record in"
+                    f" {', '.join(wanted)}",
+                    "Convert the file to the units of the record.",
+                )
         lags = self.identification.u_lags
         if isinstance(lags, list) and isinstance(lags[0], list) and len(lags) != count:
             raise refuse(

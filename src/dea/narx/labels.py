@@ -48,6 +48,28 @@ class Labels:
         }
         return cls(**found)
 
+    def refuse_other(self, record: "Labels") -> None:
+        """Refuse a record of another rate, in other units or of inputs in another order.
+
+        Nothing is known of signals without a rate.
+
+        Raises
+        ------
+        InputError
+            Naming the field and what it is of both.
+        """
+        own, other = self.sampling_rate, record.sampling_rate
+        if own is None or other is None:
+            return
+        if not _same_rate(other, own):
+            raise _unlike("sampling_rate", f"{other:g} Hz", f"{own:g} Hz")
+        units, others = ((*each_text(of.u_units), of.y_units) for of in (self, record))
+        if units != others:
+            raise _unlike("units", ", ".join(others), ", ".join(units))
+        names, called = (each_text(of.u_name) for of in (self, record))
+        if names != called and sorted(names) == sorted(called):
+            raise _unlike("names", ", ".join(called), ", ".join(names))
+
 
 def rate_of(labels: Labels, given: float | None) -> float:
     """Return the sampling rate in Hz: the one given, or the model's own.
@@ -142,7 +164,7 @@ def pair(labels: Labels, u: Any, y: Any, given: int) -> tuple[Array, Array]:
     """
     if isinstance(u, Record):
         _refuse_second_output(y)
-        _refuse_other(labels, Labels.of(u))
+        labels.refuse_other(Labels.of(u))
         u, y = u.u, u.y
     if y is None:
         raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
@@ -156,20 +178,6 @@ def _refuse_second_output(y: Any) -> None:
             field="y",
             remedy="Leave it out, or give input and output as arrays.",
         )
-
-
-def _refuse_other(model: Labels, record: Labels) -> None:
-    own, other = model.sampling_rate, record.sampling_rate
-    if own is None or other is None:
-        return
-    if not _same_rate(other, own):
-        raise _unlike("sampling_rate", f"{other:g} Hz", f"{own:g} Hz")
-    units, others = ((*each_text(of.u_units), of.y_units) for of in (model, record))
-    if units != others:
-        raise _unlike("units", ", ".join(others), ", ".join(units))
-    names, called = (each_text(of.u_name) for of in (model, record))
-    if names != called and sorted(names) == sorted(called):
-        raise _unlike("names", ", ".join(called), ", ".join(names))
 
 
 def _unlike(field: str, record: str, model: str) -> InputError:

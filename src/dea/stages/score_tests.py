@@ -25,7 +25,7 @@ def score_tests(
 
     from dea import store
     from dea.errors import InputError
-    from dea.narx import NarxModel, baselines, constant, estimate_refined
+    from dea.narx import Labels, NarxModel, baselines, constant, estimate_refined
     from dea.stages.identification import good_stretches, segment
 
     narx = NarxModel.load(model)
@@ -41,6 +41,15 @@ def score_tests(
     rows, others = [], []
     for file in test:
         signals = store.signals(store.read_record(file))
+        try:
+            Labels.of(known).refuse_other(Labels.of(signals))
+        except InputError as error:
+            raise InputError(
+                error.problem,
+                file=file,
+                field=error.field,
+                remedy=f"Convert test_records.{file.stem} of the case to what its record is in",
+            ) from error
         if signals.y.size < start + 2:
             raise InputError(
                 f"it holds {signals.y.size} samples, of which the model's lags take {start}",
@@ -53,7 +62,7 @@ def score_tests(
     columns = zip(*rows, strict=True)
     labels = {
         "nmse": ("1", "SSE/SST of the free run"),
-        "rmse": (signals.y_units, "root mean square error of the free run"),
+        "rmse": (known.y_units, "root mean square error of the free run"),
         "samples": ("1", "samples scored, those after the initial outputs"),
     }
     dataset = xr.Dataset(
