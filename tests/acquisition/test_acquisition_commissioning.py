@@ -163,6 +163,10 @@ def test_a_report_that_does_not_say_where_commissions_nothing(module, tmp_path):
         refuse_uncommissioned(read_device(path))
 
 
+def test_a_virtual_device_is_not_commissioned(module, tmp_path):
+    refuse_uncommissioned(replace(read_device(description(module, tmp_path)), virtual=True))
+
+
 def test_a_program_of_ones_own_drives_no_device_that_was_not_commissioned(module, tmp_path):
     device = read_device(description(module, tmp_path, safety={"max_rate": 100}))
     settings = replace(SETTINGS, mode="polled", ramp_rate=50.0)

@@ -44,7 +44,8 @@ def write_report(device: Device, description: Path, report: Mapping[str, Any]) -
 def refuse_uncommissioned(device: Device) -> None:
     """Refuse a device with a safety model that has not been commissioned as it is, where it is.
 
-    One that no file describes has no place for a report, and is not asked for it.
+    One that no file describes has no place for a report, and a virtual one, which is served anew
+    for each record, no place of its own: neither is asked for it.
 
     Raises
     ------
@@ -52,7 +53,7 @@ def refuse_uncommissioned(device: Device) -> None:
         Where there is no report, a check failed, the description has been changed since, or the
         report is of a device at another endpoint or unit.
     """
-    if device.safety is None or device.source is None:
+    if device.safety is None or device.source is None or device.virtual:
         return
     path = report_file(device.source)
     report = _read_report(path) if path.exists() else {}
