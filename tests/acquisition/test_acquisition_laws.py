@@ -268,10 +268,8 @@ def test_the_first_check_is_due_at_once_and_the_next_after_the_interval(clock):
     assert laws.due()
 
 
-def test_a_trip_is_latched_before_zero_has_been_shown(module, tmp_path):
-    """A guardian that dies on the way must not take the trip with it."""
-    target = replace(described(module), quarantine=3.0)
-    module.read_back = lambda count: count + 983 * (count > 6000)
+def latched_before_the_end(target, drive):
+    """How long before it ended a drive had latched its trip, s."""
     latched = []
 
     def look():
@@ -282,13 +280,50 @@ def test_a_trip_is_latched_before_zero_has_been_shown(module, tmp_path):
     ended = threading.Event()
     looking = threading.Thread(target=look)
     looking.start()
-    with pytest.raises(TripError):
-        acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS)
+    drive()
     shown = time.monotonic()
     ended.set()
     looking.join()
-    assert shown - latched[0] > 2.0
+    return shown - latched[0]
+
+
+def test_a_trip_is_latched_before_zero_has_been_shown(module, tmp_path):
+    """A guardian that dies on the way must not take the trip with it."""
+    target = replace(described(module), quarantine=3.0)
+    module.read_back = lambda count: count + 983 * (count > 6000)
+
+    def drive():
+        with pytest.raises(TripError):
+            acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS)
+
+    assert latched_before_the_end(target, drive) > 2.0
     latch.acknowledge(target, "A. Person")
+
+
+def test_a_trip_on_the_way_to_zero_is_latched_before_it_is_shown(module, tmp_path):
+    plain = module.description()
+    target = replace(
+        device(safety={"interlocks": {"door": {"name": "door"}}}), port=module.port, source=None,
+        registers={"door": device()["door"]} | dict(plain.registers), quarantine=3.0,
+    )  # fmt: skip
+    write, written = module._write, [0]
+
+    def open_door_as_it_falls(count):
+        module.closed = int(count >= max(written))
+        written.append(count)
+        write(count)
+
+    module._write = open_door_as_it_falls
+
+    def drive():
+        with pytest.raises(RuntimeError, match="enough"):
+            acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS, watch=stop)
+
+    def stop(*_):
+        raise RuntimeError("enough")
+
+    assert latched_before_the_end(target, drive) > 2.0
+    assert "door reads 0" in latch.acknowledge(target, "A. Person")
 
 
 @pytest.fixture

@@ -345,6 +345,7 @@ class Guardian:
         failing: float | None = None
 
         def alive() -> None:
+            self._first_trip.latch(way.trip)
             # A guardian that follows this one is not to take a voltage for known that is not.
             arriving = Phase.TO_ZERO if way.known else Phase.CHECKING
             self.duty.put(Phase.ALARM if failing else arriving, way.volts)
