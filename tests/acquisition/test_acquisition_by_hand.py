@@ -77,7 +77,7 @@ def test_a_guardian_is_named_with_what_it_does_and_last_asked_for(device, phase,
 
 
 def test_the_trip_is_told_with_its_time_and_before_the_reading(device):
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", latch.utc_now())
     _, tripped, reading = by_hand.status(device).splitlines()
     assert re.fullmatch(r"tripped at \d{4}-.*Z: the door is open", tripped)
     assert reading == "the output reads 1.5 V"
@@ -231,7 +231,7 @@ def test_a_device_that_is_off_hides_neither_guardian_nor_trip(device, monkeypatc
         raise LinkError("no reply from 10.0.0.7")
 
     monkeypatch.setattr(by_hand.Output, "applied", silent)
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", latch.utc_now())
     with Duty(device) as guardian:
         guardian.put(Phase.DRIVING, 3.0)
     killed, tripped, reading = by_hand.status(device).splitlines()

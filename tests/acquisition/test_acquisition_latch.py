@@ -15,6 +15,7 @@ from dea.modbus import read_device
 from dea.modbus.device import Safety
 
 DEVICE = Path(__file__).parents[2] / "config/devices/virtual_bench.yaml"
+WHEN = "2026-03-14T15:09:26Z"
 
 
 @pytest.fixture
@@ -23,7 +24,7 @@ def device():
 
 
 def test_a_trip_is_found_by_another_name_and_from_another_account(device, monkeypatch, tmp_path):
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
@@ -44,7 +45,7 @@ def test_trip_and_log_outlive_a_restart_and_every_account_may_read_them(
     before = os.umask(0o077)
     try:
         latch.refuse_latched(replace(device, safety=Safety()))
-        latch.latch(latch.latch_file(device), device.name, "the door is open")
+        latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
         kept = [latch.latch_file(device).stat()]
         latch.acknowledge(device, "A. Person")
         kept += [file.stat() for file in (tmp_path / "dea").iterdir()]
@@ -66,14 +67,14 @@ def test_a_damaged_trip_counts_and_its_file_is_named(device, left):
 
 def test_a_trip_that_cannot_be_written_whole_leaves_the_one_before(device, monkeypatch):
     path = latch.latch_file(device)
-    latch.latch(path, device.name, "the door is open")
+    latch.latch(path, device.name, "the door is open", WHEN)
 
     def full(*_, **__):
         raise OSError("No space left on device")
 
     monkeypatch.setattr("pathlib.Path.write_text", full)
     with pytest.raises(OSError, match="No space"):
-        latch.latch(path, device.name, "the current is too large")
+        latch.latch(path, device.name, "the current is too large", WHEN)
     assert latch.trip(device)["reason"] == "the door is open"
 
 
@@ -88,7 +89,7 @@ def test_a_folder_that_keeps_no_trip_is_refused_before_any_voltage(device, monke
 
 def test_the_status_names_the_trip(serve_bench):
     served = serve_bench().endpoint
-    latch.latch(latch.latch_file(served), served.name, "the door is open")
+    latch.latch(latch.latch_file(served), served.name, "the door is open", WHEN)
     assert "the door is open" in by_hand.status(served)
 
 
@@ -104,34 +105,35 @@ def test_a_trip_is_held_until_a_full_disk_takes_it(device, monkeypatch):
 
     monkeypatch.setattr(first_trip, "latch", latch_when_there_is_room)
     monkeypatch.setattr(first_trip, "AGAIN", 0.01)
+    monkeypatch.setattr(first_trip, "utc_now", iter([WHEN]).__next__)
     kept = first_trip.FirstTrip(device, latch.latch_file(device))
     kept.latch(TripError("the door is open"))
     for _ in range(3):
         assert tried.acquire(timeout=10)
     assert str(kept.pending) == "the door is open"
     assert "No space left" in str(kept.failure)
-    with pytest.raises(InputError, match="the door is open"):
+    with pytest.raises(InputError, match=rf"tripped at {WHEN}: the door is open"):
         latch.refuse_latched(device)
     room.set()
     kept._latching.join(10)
     assert kept.pending is None
     assert latch.held(device) is None
-    assert latch.trip(device)["reason"] == "the door is open"
+    assert latch.trip(device) == {"time": WHEN, "reason": "the door is open"}
 
 
 def test_a_trip_that_memory_alone_has_held_is_acknowledged_too(device):
-    latch.hold(device, "the door is open, and the current is too large")
-    latch.hold(device, "the door is open")
+    latch.hold(device, "the door is open, and the current is too large", WHEN)
+    latch.hold(device, "the door is open", WHEN)
     assert latch.acknowledge(device, "A. Person") == "the door is open"
     latch.refuse_latched(device)
 
 
 def test_a_trip_of_the_time_in_which_one_is_acknowledged_stays(device, monkeypatch):
     path, log = latch.latch_file(device), latch._log
-    latch.latch(path, device.name, "the door is open")
+    latch.latch(path, device.name, "the door is open", WHEN)
 
     def meanwhile(*what):
-        latch.latch(path, device.name, "the current is too large")
+        latch.latch(path, device.name, "the current is too large", WHEN)
         log(*what)
 
     monkeypatch.setattr(latch, "_log", meanwhile)
@@ -143,7 +145,7 @@ def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     with monkeypatch.context() as patched:
         patched.setattr("os.write", full)
         with pytest.raises(OSError, match="No space"):
@@ -153,7 +155,7 @@ def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
 
 @pytest.mark.parametrize("ending", [KeyboardInterrupt, OSError])
 def test_a_trip_binds_until_its_acknowledgement_is_kept(device, monkeypatch, ending):
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     bound = []
 
     def ended(*_, **__):
@@ -173,7 +175,7 @@ def test_a_trip_binds_until_its_acknowledgement_is_kept(device, monkeypatch, end
 
 def test_a_trip_that_two_acknowledge_at_once_is_cleared_once(device, monkeypatch):
     path, log = latch.latch_file(device), latch._log
-    latch.latch(path, device.name, "the door is open")
+    latch.latch(path, device.name, "the door is open", WHEN)
 
     def meanwhile(*what):
         path.unlink()
@@ -195,7 +197,7 @@ def test_a_full_disk_that_would_take_no_trip_is_refused_before_any_voltage(devic
 
 @pytest.mark.parametrize("nobody", ["", "  "])
 def test_nobody_acknowledges_a_trip_without_a_name(device, nobody):
-    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     with pytest.raises(InputError, match="by: a trip is acknowledged by a person"):
         latch.acknowledge(device, nobody)
     assert latch.trip(device)["reason"] == "the door is open"

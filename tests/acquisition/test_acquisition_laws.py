@@ -27,6 +27,7 @@ REGISTERS = {
     "enable": {"address": 3, "table": "coil", "type": "bool", "access": "read_write"},
     "alive": {"address": 4, "access": "write"},
 }
+WHEN = "2026-03-14T15:09:26Z"
 SAFETY = {
     "max_rate": 50.0,
     "monitor": {"name": "voltage", "gain": 800.0, "offset": 4.0, "tolerance": 20.0, "delay": 0.1},
@@ -367,9 +368,10 @@ def test_a_trip_that_no_disk_has_taken_binds_though_its_guardian_was_dismissed(
 
 def test_the_next_guardian_brings_a_held_trip_to_the_disk(module):
     target = described(module)
-    latch.hold(target, "the door is open")
+    latch.hold(target, "the door is open", WHEN)
     by_hand.zero(target, SETTINGS)
     assert latch.held(target) is None
+    assert latch.trip(target)["time"] == WHEN
     assert latch.acknowledge(target, "A. Person") == "the door is open"
 
 
@@ -388,7 +390,7 @@ def test_a_trip_that_is_kept_while_a_drive_waits_for_the_output_binds_it(
     target = described(module)
     monkeypatch.setitem(
         acquire.__globals__, "refuse_latched",
-        lambda _: latch.latch(latch.latch_file(target), target.name, "the door is open"),
+        lambda _: latch.latch(latch.latch_file(target), target.name, "the door is open", WHEN),
     )  # fmt: skip
     with pytest.raises(InputError, match="the door is open"):
         acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS)

@@ -143,7 +143,7 @@ class Guardian:
         if not self.job.counts.size:
             duty.clear_order()
             if (trip := held(self.device)) is not None:  # of a guardian that ended too early
-                self._first_trip.latch(TripError(trip["reason"]))
+                self._first_trip.latch(TripError(trip["reason"]), trip["time"])
             self._end_at_zero(self._last_known())
             return
         self._refuse_after_a_crash()

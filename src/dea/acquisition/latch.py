@@ -24,22 +24,27 @@ _MODE = 0o666 | stat.S_ISVTX
 _ROOM = 4096  # bytes that a trip takes on a disk
 
 
-def latch(path: Path, device: str, reason: str) -> None:
-    """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
+def latch(path: Path, device: str, reason: str, when: str) -> None:
+    """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged.
+
+    ``when`` it happened is as :func:`utc_now` says it.
+    """
     with atomic(path) as partial:
-        partial.write_text(_said(device, reason))
+        partial.write_text(_said(device, reason, when))
         partial.chmod(_MODE)
 
 
-def hold(device: Device, reason: str) -> None:
-    """Note a trip in memory, where no disk has a say: it binds all, until the computer is off.
+def hold(device: Device, reason: str, when: str) -> None:
+    """Note a trip as :func:`latch`, but in memory: it binds all, until the computer is off.
+
+    It does so where a disk is full, or hangs.
 
     Raises
     ------
     OSError
         Where no memory is left.
     """
-    said = _said(device.name, reason).encode()
+    said = _said(device.name, reason, when).encode()
     handle = open_shared(held_file(device))
     try:
         os.pwrite(handle, said, 0)
@@ -212,8 +217,8 @@ def _refuse_without_folder(folder: Path) -> None:
         ) from error
 
 
-def _said(device: str, reason: str) -> str:
-    return json.dumps({"device": device, "reason": reason, "time": utc_now()})
+def _said(device: str, reason: str, when: str) -> str:
+    return json.dumps({"device": device, "reason": reason, "time": when})
 
 
 def utc_now() -> str:
