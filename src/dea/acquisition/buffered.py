@@ -13,7 +13,7 @@ import numpy as np
 
 from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
-from dea.acquisition.read_back import Echo, ReadBack
+from dea.acquisition.read_back import Echo, ReadBack, read_back_register
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.modbus import Command, DeviceState, Origin, block_window, reply_window, to_physical
@@ -96,7 +96,8 @@ def play(
     TripError
         Where the safety model is broken.
     """
-    echo = Echo(panel, "applied_output" if "applied_output" in panel else "output", tolerance)
+    applied = read_back_register(panel.device) or panel.device["output"]
+    echo = Echo(panel, applied.name, tolerance)
     playback = _Playback(panel, counts, laws, echo)
     read_back = ReadBack(panel, counts, tolerance)
     while playback.done < counts.size:

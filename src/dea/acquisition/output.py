@@ -2,6 +2,7 @@
 
 from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.panel import Panel
+from dea.acquisition.read_back import read_back_register
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.errors import InputError
@@ -95,10 +96,7 @@ class Output:
     @property
     def readable(self) -> bool:
         """Whether the device has a read-back of the output."""
-        return any(
-            name in self.panel and self.device[name].access != "write"
-            for name in ("applied_output", "output")
-        )
+        return read_back_register(self.device) is not None
 
     def driven(self) -> float:
         """What is left of the output, V, behind the amplifier and before it.
@@ -111,14 +109,12 @@ class Output:
         return self._beyond(self.applied() or 0.0)
 
     def _read_back(self) -> float | None:
-        for name in ("applied_output", "output"):
-            if name in self.panel and self.device[name].access != "write":
-                return float(to_physical(self.device[name], self.panel.confirmed(name)))
-        return None
+        echo = read_back_register(self.device)
+        return float(to_physical(echo, self.panel.confirmed(echo.name))) if echo else None
 
     def _beyond(self, applied: float) -> float:
         """Return a read-back, V, or 0 where it is no further from it than it may be."""
-        echo = self.device.registers.get("applied_output", self.device["output"])
+        echo = read_back_register(self.device) or self.device["output"]
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
         return applied if abs(applied) > allowed else 0.0
 

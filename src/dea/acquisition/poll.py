@@ -1,6 +1,7 @@
 """One sample of a polled device: which requests it takes, and what they bring."""
 
 from dea.acquisition.panel import Panel
+from dea.acquisition.read_back import read_back_register
 from dea.acquisition.retrying_link import DeviceRefusedError
 from dea.modbus import Register, Window, encode
 
@@ -14,11 +15,9 @@ class Poll:
         self.panel, self.link, device = panel, panel.link, panel.device
         self._next: int | None = None
         self.output = device["output"]
-        echo = "applied_output" if "applied_output" in device else "output"
-        names = ["displacement", echo, "device_index"]
-        self.echo = echo if _readable(device.registers[echo]) else None
-        wanted = [device[n] for n in names if n in device and (n != echo or self.echo)]
-        self.windows = _windows(wanted)
+        self.echo = read_back_register(device)
+        sampled = [device["displacement"], self.echo, device.registers.get("device_index")]
+        self.windows = _windows([each for each in sampled if each])
         self._wrap = 1 << 16 * device["device_index"].size if "device_index" in device else 0
 
     def learn(self) -> None:
@@ -53,7 +52,7 @@ class Poll:
         values = first.decode(reply)
         for window in self.windows[1:]:
             values |= window.decode(self.link.read(window.address, window.size, window.table))
-        applied = values[self.echo] if self.echo else count
+        applied = values[self.echo.name] if self.echo else count
         self.link.log.samples[-1] = 1
         index = values.get("device_index", number)
         if self._wrap and self._next is not None:  # a short index begins again at zero
@@ -61,10 +60,6 @@ class Poll:
             index = self._next + (index - self._next + half) % self._wrap - half
         self._next = index + 1
         return index, applied, values["displacement"]
-
-
-def _readable(register: Register) -> bool:
-    return register.access != "write"
 
 
 def _windows(registers: list[Register]) -> list[Window]:

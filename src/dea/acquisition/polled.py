@@ -66,7 +66,7 @@ def drive(
         panel.set("command", Command.START)
     poll, rows = Poll(panel), Rows()
     poll.learn()
-    echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
+    echo = Echo(panel, poll.echo.name, tolerance) if poll.echo else None
     schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
     number, expected, last = 0, None, panel.zero
     try:

@@ -12,7 +12,7 @@ import numpy as np
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.errors import DeviceError
-from dea.modbus import DeviceState, to_physical
+from dea.modbus import Device, DeviceState, Register, to_physical
 
 LAG = 1  # samples that a read-back may always be behind
 STRIKES = 3  # samples in a row whose read-back is wrong until it is not trusted any more
@@ -20,6 +20,12 @@ STRIKES = 3  # samples in a row whose read-back is wrong until it is not trusted
 
 class ReadBackError(DeviceError):
     """The register of the applied output does not hold what the device plays."""
+
+
+def read_back_register(device: Device) -> Register | None:
+    """Return the register that says what output is applied, None where the device has none."""
+    named = (device.registers.get(name) for name in ("applied_output", "output"))
+    return next((each for each in named if each and each.access != "write"), None)
 
 
 class ReadBack:

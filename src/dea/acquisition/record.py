@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from dea.acquisition.device_clock import fitted_rate
 from dea.acquisition.link_log import LinkLog
+from dea.acquisition.read_back import read_back_register
 from dea.acquisition.samples import DrivenSamples, Quality
 from dea.acquisition.sensor_flags import flag_sensor
 from dea.modbus import Device, Register, to_physical
@@ -40,9 +41,10 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
     time = (driven.device_index - driven.device_index[:1]) / device.sampling_rate
     have = (driven.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
-    echo = device.registers.get("applied_output", output)
+    read_back = read_back_register(device)
+    echo = read_back or output  # where nothing is read back, what was written stands for it
     shown, raw = "as the device echoed it", "raw applied output"
-    if not _echoes(device):
+    if read_back is None and "reply_samples" not in device:
         shown, raw = "as written: the device echoes none", "raw output as written"
     meanings = " ".join(flag.name.lower() for flag in Quality if flag.name)
 
@@ -77,12 +79,6 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
     }
     dataset.attrs["sampling_rate"] = device.sampling_rate
     return dataset
-
-
-def _echoes(device: Device) -> bool:
-    """Return whether a device says what it applies; of another, what was written stands for it."""
-    read = "applied_output" in device or device["output"].access != "write"
-    return read or "reply_samples" in device
 
 
 def _raw(register: Register, values: np.ndarray) -> np.ndarray:
