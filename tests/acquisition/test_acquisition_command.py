@@ -390,6 +390,17 @@ def test_the_display_shows_rate_round_trips_and_errors():
     assert not console.export_text().strip(), "nothing is drawn of a device that was refused"
 
 
+@pytest.mark.parametrize("words", [["status"], ["zero"], ["acknowledge", "--by", "A. Person"],
+                                   ["dismiss", "--amplifier-is-off"]])  # fmt: skip
+def test_nothing_is_said_of_a_host_that_is_not_known(capsys, words):
+    with pytest.raises(SystemExit) as exit_:
+        main([*words, "--device", str(DEVICE), "--host", "nowhere.invalid"])
+    assert exit_.value.code == 2
+    told = capsys.readouterr()
+    assert not told.out
+    assert "endpoint.host: the host 'nowhere.invalid' is not known now" in told.err
+
+
 @contextmanager
 def unread(kind):
     """Have a standard error whose reader has gone."""

@@ -165,7 +165,7 @@ def zero(options: argparse.Namespace) -> None:
 
 def acknowledge(options: argparse.Namespace) -> None:
     """Clear a trip of the safety model, after you have found out why it tripped."""
-    reason = latch.acknowledge(_device(options), options.by)
+    reason = latch.acknowledge(by_hand.known(_device(options)), options.by)
     print("nothing has tripped" if reason is None else f"acknowledged: {reason}")
 
 

@@ -38,9 +38,28 @@ _DOING = {
 }
 
 
+def known(device: Device) -> Device:
+    """Return a device whose host has an address, by which its files are named.
+
+    Raises
+    ------
+    InputError
+        Where it has none.
+    """
+    found = at_address(device)
+    if device.serial is None and found is device:
+        raise InputError(
+            f"the host {device.host!r} is not known now, nor who drives it or what has tripped",
+            file=device.source,
+            field="endpoint.host",
+            remedy="Give its address: --host 192.0.2.7",
+        )
+    return found
+
+
 def status(device: Device) -> str:
     """Return lines on an output's guardian, its trip and, without a guardian, its reading."""
-    device = _known(device)
+    device = known(device)
     notice = look(duty_file(device))
     lines = [_guardian(notice)]
     if (tripped := trip(device)) is not None:
@@ -84,7 +103,7 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     if allowed is not None and settings.ramp_rate > allowed:
         tell(f"{device.name}: the ramp is one of {allowed:g} V/s, as safety.max_rate allows")
         settings = replace(settings, ramp_rate=allowed)
-    device = _known(device)
+    device = known(device)
     path = duty_file(device)
     watched, in_alarm = _Watched(path, settings), 0.0
     while (notice := look(path)).alive:
@@ -124,7 +143,7 @@ def dismiss(device: Device) -> str:
     InputError
         Where no guardian raises one.
     """
-    path = duty_file(_known(device))
+    path = duty_file(known(device))
     watched = _Watched(path, AcquisitionSettings())
     notice = look(path)
     if not (notice.alive and notice.phase in ALARMING):
@@ -177,25 +196,6 @@ class _Watched:
                 remedy="Switch the amplifier off; end the process where it was started.",
             )
         return False
-
-
-def _known(device: Device) -> Device:
-    """Return a device whose host has an address, by which its files are named.
-
-    Raises
-    ------
-    InputError
-        Where it has none.
-    """
-    found = at_address(device)
-    if device.serial is None and found is device:
-        raise InputError(
-            f"the host {device.host!r} is not known now, and with it who drives it",
-            file=device.source,
-            field="endpoint.host",
-            remedy="Give its address: --host 192.0.2.7",
-        )
-    return found
 
 
 def _guardian(notice: Notice) -> str:
