@@ -12,14 +12,13 @@ import numpy as np
 
 from dea.acquisition.closed_loop import ClosedLoop
 from dea.acquisition.commissioned import refuse_uncommissioned
-from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.disk import refuse_without_room
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, refuse_latched
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile, refuse_in_use, set_aside
-from dea.acquisition.record import link_dataset, record_dataset
+from dea.acquisition.record import kept_record, link_dataset
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
@@ -127,14 +126,12 @@ def acquire(
     else:
         assert broken is not None
         raise broken
-    samples = flag_clock(device, samples, settings.clock_tolerance)
-    record = record_dataset(device, samples, plan.lead, plan.length)
-    if settings.armed_by:
-        record.attrs["armed_by"] = settings.armed_by
-    # As it was when the device was driven: the file may have been edited since.
-    described = {"device_description": device.described}
+    record = kept_record(
+        device, samples, plan.lead, plan.length,
+        clock_tolerance=settings.clock_tolerance, armed_by=settings.armed_by,
+    )  # fmt: skip
     link = link_dataset(log, samples)
-    return AcquiredRecord(record.assign_attrs(described), link.assign_attrs(described))
+    return AcquiredRecord(record, link.assign_attrs(device_description=device.described))
 
 
 def _attempt(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dea.acquisition.device_clock import fitted_rate
+from dea.acquisition.device_clock import fitted_rate, flag_clock
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.read_back import read_back_register
 from dea.acquisition.samples import DrivenSamples, Quality
@@ -17,6 +17,26 @@ if TYPE_CHECKING:
 
 _EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins per decade
 Variable = tuple[str, np.ndarray, dict[str, str]]
+
+
+def kept_record(
+    device: Device,
+    samples: DrivenSamples,
+    lead: int,
+    length: int,
+    *,
+    clock_tolerance: float,
+    armed_by: str,
+) -> "xr.Dataset":
+    """Return :func:`record_dataset` of samples that are flagged where the device's clock is off.
+
+    It says who has armed the device, if anybody has, and holds the description of the device as it
+    was driven: the file may have been edited since.
+    """
+    flagged = flag_clock(device, samples, clock_tolerance)
+    record = record_dataset(device, flagged, lead, length)
+    armed = {"armed_by": armed_by} if armed_by else {}
+    return record.assign_attrs(armed | {"device_description": device.described})
 
 
 def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: int) -> "xr.Dataset":

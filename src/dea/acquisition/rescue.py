@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.partial import Recovered, recover
-from dea.acquisition.record import record_dataset
+from dea.acquisition.record import kept_record
 from dea.acquisition.settings import AcquisitionSettings
 from dea.errors import InputError
 from dea.modbus import Device, device_described, read_device
@@ -49,13 +48,12 @@ def rescue(partial: Path, description: Path | None = None) -> Rescued:
         raise InputError("holds no samples", file=partial)
     device = _device(heading, partial, description)
     settings = heading.get("settings", {})  # a file of an earlier version may hold none
-    tolerance = settings.get("clock_tolerance", AcquisitionSettings.clock_tolerance)
-    samples = flag_clock(device, found.samples, tolerance)
-    record = record_dataset(device, samples, heading["lead"], heading["length"])
-    record.attrs["device_description"] = device.described
+    record = kept_record(
+        device, found.samples, heading["lead"], heading["length"],
+        clock_tolerance=settings.get("clock_tolerance", AcquisitionSettings.clock_tolerance),
+        armed_by=settings.get("armed_by", ""),
+    )  # fmt: skip
     record.attrs["notes"] = _notes(found)
-    if armed_by := settings.get("armed_by"):
-        record.attrs["armed_by"] = armed_by
     reasons = [note["broken"] for note in found.notes if "broken" in note]
     return Rescued(record, device, settings, heading["length"], found.damaged, reasons)
 
