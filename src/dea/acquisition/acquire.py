@@ -23,6 +23,7 @@ from dea.acquisition.recorder import Recorder
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import OutputPlan, plan_sequence
+from dea.configuration.safety import refuse_unkept_heartbeat
 from dea.errors import InputError
 from dea.modbus import Device
 
@@ -98,7 +99,7 @@ def acquire(
         plan = loop.plan(device, settings.ramp_rate)
         asked = {"asked": plan.length, "longest_step": loop.step(device)}
     _refuse_unbuffered(device, settings)
-    _refuse_unkept_heartbeat(device, settings)
+    refuse_unkept_heartbeat(device.safety, settings.mode, device.sampling_rate, device.source)
     refuse_unarmed(device, settings.armed_by)
     if not first:
         refuse_uncommissioned(device)
@@ -197,14 +198,6 @@ def _refuse_unless_polled(settings: AcquisitionSettings) -> None:
             f"a controller is to drive with mode {settings.mode}, on_break {settings.on_break}",
             field="acquisition.mode, on_break",
             remedy="Set mode to polled and on_break to stop: a controller cannot begin again.",
-        )
-
-
-def _refuse_unkept_heartbeat(device: Device, settings: AcquisitionSettings) -> None:
-    rate = device.sampling_rate
-    if device.safety and (unkept := device.safety.unkept_heartbeat(settings.mode, rate)):
-        raise InputError(
-            unkept[0], file=device.source, field="safety.heartbeat.period", remedy=unkept[1]
         )
 
 

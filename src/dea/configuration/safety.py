@@ -1,6 +1,7 @@
 """``safety`` of a device description: what must hold while there is high voltage."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import model_validator
@@ -15,6 +16,7 @@ from dea.configuration.section import (
     key,
     refuse,
 )
+from dea.errors import InputError
 
 Mode = Literal["buffered", "polled"]
 # Share by which a heartbeat may be faster than its device is asked: 0.033 s stands for 30 Hz.
@@ -116,3 +118,18 @@ class Safety(Section):
             f"{self.heartbeat.period:g} s, and a {mode} device is given one in {shortest:g} s",
             f"Give {shortest:g} s or more, here and in the device, or {faster}.",
         )
+
+
+def refuse_unkept_heartbeat(
+    safety: Safety | None, mode: Mode, sampling_rate: float, file: str | Path | None
+) -> None:
+    """Refuse a heartbeat that is due more often than a mode gives it, at ``sampling_rate`` Hz.
+
+    Raises
+    ------
+    InputError
+        Naming the device description ``file``.
+    """
+    if safety is not None and (unkept := safety.unkept_heartbeat(mode, sampling_rate)):
+        problem, remedy = unkept
+        raise InputError(problem, file=file, field="safety.heartbeat.period", remedy=remedy)

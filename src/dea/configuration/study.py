@@ -18,6 +18,7 @@ from dea.configuration.identification import Forecast, Identification, Orders, V
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
 from dea.configuration.resolution import Resolution
+from dea.configuration.safety import refuse_unkept_heartbeat
 from dea.configuration.section import Section, Whole, key, refuse
 from dea.configuration.tracking import Tracking
 from dea.configuration.trials import Trials
@@ -182,11 +183,9 @@ def check_actuators(
                     field="registers",
                     remedy="Describe it, or correct the name of the register that is meant.",
                 )
-        safety, mode = described.safety, study.acquisition.mode
-        if safety and (unkept := safety.unkept_heartbeat(mode, described.sampling_rate)):
-            raise InputError(
-                unkept[0], file=device, field="safety.heartbeat.period", remedy=unkept[1]
-            )
+        refuse_unkept_heartbeat(
+            described.safety, study.acquisition.mode, described.sampling_rate, device
+        )
     for index, actuator in enumerate(study.actuators):
         if actuator.bench is not None and actuator.bench not in served:
             raise InputError(
