@@ -6,7 +6,7 @@ from dea.acquisition.commissioned import report_file
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
-from dea.acquisition.partial import Recovered, recover
+from dea.acquisition.partial import Recovered, recover, samples_kept
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
 from dea.acquisition.reported import reported
@@ -51,4 +51,5 @@ __all__ = [
     "refuse_unarmed",
     "report_file",
     "reported",
+    "samples_kept",
 ]

@@ -16,6 +16,7 @@ from dea.acquisition.commissioned import write_report
 from dea.acquisition.commissioning import commission as staircase
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.panel import Panel
+from dea.acquisition.partial import samples_kept, where_kept
 from dea.acquisition.preview import preview
 from dea.acquisition.reported import reported, say
 from dea.acquisition.rescue import rescue
@@ -68,17 +69,13 @@ def drive(options: argparse.Namespace) -> None:
     acquired = acquire_watched(
         device, volts, partial, settings, live=options.live, reset=options.reset
     )
-    kept = f"Every sample is in {partial}: recover it."
     # Another program may have made them meanwhile.
-    _refuse_existing(options.output, link, remedy=kept)
+    _refuse_existing(options.output, link, remedy=where_kept(partial))
     title = f"Record of {device.name}"
-    try:
+    with samples_kept(partial):
         store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
         made_by = {"acquisition": asdict(settings), "excitation": excitation}
         _write_record(acquired.record, options, title, made_by, options.seed)
-    except OSError as error:
-        error.add_note(kept)
-        raise
     partial.unlink()
     if clock_fault(device, acquired, settings):
         raise DeviceError(f"{options.output} is kept, and no sample of it is good")

@@ -11,8 +11,8 @@ import os
 import struct
 import threading
 import zlib
-from collections.abc import Mapping
-from contextlib import nullcontext, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -158,6 +158,21 @@ def set_aside(path: Path) -> None:
         numbers = itertools.count(1)
         free = (path.with_name(f"{path.stem}.{n}{path.suffix}") for n in numbers)
         path.rename(next(name for name in free if not name.exists()))
+
+
+def where_kept(partial: Path) -> str:
+    """Say where every sample is, for an error that costs the record."""
+    return f"Every sample is in {partial}: recover it."
+
+
+@contextmanager
+def samples_kept(partial: Path) -> Iterator[None]:
+    """Add :func:`where_kept` to an error of the disk that ends the block."""
+    try:
+        yield
+    except OSError as error:
+        error.add_note(where_kept(partial))
+        raise
 
 
 class Recovered(NamedTuple):

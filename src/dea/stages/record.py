@@ -86,15 +86,11 @@ def keep(
     }
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
-        acquired = acquisition.acquire_watched(
-            device, played.volts, folder / "samples.partial", options
-        )
+        partial = folder / "samples.partial"
+        acquired = acquisition.acquire_watched(device, played.volts, partial, options)
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
-        try:
+        with acquisition.samples_kept(partial):
             write(played.label(acquired), files, settings)
-        except OSError as error:
-            error.add_note(f"Every sample is in {folder / 'samples.partial'}: recover it.")
-            raise
         for file, text in beside.items():
             (folder / file).write_bytes(text.encode())
         fault = acquisition.clock_fault(device, acquired, options)
@@ -111,7 +107,7 @@ def keep(
                 "flagged": store.flag_counts(acquired.record),
             }
             | ({archive.FAULT: fault} if fault else {}),
-            made_from=folder / "samples.partial",
+            made_from=partial,
         )
     if fault:
         raise DeviceError(f"{kept} is kept, and no sample of it is good: see the line on its clock")
