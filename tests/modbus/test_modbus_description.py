@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dea.configuration.device import KNOWN
+from dea.configuration.register import KNOWN
 from dea.errors import InputError
 from dea.modbus import parse_device, read_device
 from dea.modbus.block import BLOCK, REPLY

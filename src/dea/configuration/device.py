@@ -6,34 +6,22 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
-from dea.configuration.register import INTEGERS, Order, Register, Table
+from dea.configuration.register import INTEGERS, KNOWN, Order, Register, Table
 from dea.configuration.safety import Mode, Safety
 from dea.configuration.safety_registers import check_registers
 from dea.configuration.section import NotNegative, Positive, Section, Truth, Whole, key, refuse
 
 Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
 Parity = Literal["N", "E", "O"]
-# Registers that the acquisition looks for by name. A device needs the first two; what else it has
-# gets the checks and the modes that it allows (docs/acquisition.md). Others are free to be added.
-NEEDED = ("output", "displacement")
-# What a record holds them in (`dea.store`).
+# What a record holds the registers needed in (`dea.store`).
 UNITS = {"output": "V", "displacement": "mm"}
 # Registers that hold a whole number, and why.
 WHOLE = {
     "output": "the output is driven in whole counts",
     "device_index": "the device counts its samples in it",
 }
-KNOWN = (
-    *NEEDED,
-    *("applied_output", "device_index", "device_rate", "state", "command", "claim", "boot"),
-    *("watchdog_latched", "watchdog_time", "fifo_length", "output_low_limit", "output_high_limit"),
-    *(f"{name}_range_{end}" for name in NEEDED for end in ("low", "high")),
-    *(f"block_{name}" for name in ("crc", "sequence", "read_index", "count", "samples")),
-    *(f"reply_{name}" for name in ("crc", "sequence", "index", "position", "next", "count")),
-    *(f"reply_{name}" for name in ("origin", "state", "fifo", "samples")),
-)
 LONGEST_LATE_WRITE = 5.0  # s
-# Similarity from which a name is taken for one of these, misspelt: two letters of five swapped.
+# Similarity from which a name is taken for a known one, misspelt: two letters of five swapped.
 MISSPELT = 0.8
 
 
@@ -169,7 +157,7 @@ class DeviceDescription(Section):
     def _safety(self) -> Self:
         if self.safety is None:
             return self
-        check_registers(self.safety, self.registers, NEEDED, KNOWN)
+        check_registers(self.safety, self.registers)
         modes: tuple[Mode, ...] = ("polled", "buffered")
         possible = modes if "block_samples" in self.registers else modes[:1]
         unkept = [self.safety.unkept_heartbeat(mode, self.sampling_rate) for mode in possible]

@@ -14,6 +14,19 @@ RegisterType = Literal[
     "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string", "bool"
 ]
 
+# Registers that the acquisition looks for by name. A device needs the first two; what else it has
+# gets the checks and the modes that it allows (docs/acquisition.md). Others are free to be added.
+NEEDED = ("output", "displacement")
+KNOWN = (
+    *NEEDED,
+    *("applied_output", "device_index", "device_rate", "state", "command", "claim", "boot"),
+    *("watchdog_latched", "watchdog_time", "fifo_length", "output_low_limit", "output_high_limit"),
+    *(f"{name}_range_{end}" for name in NEEDED for end in ("low", "high")),
+    *(f"block_{name}" for name in ("crc", "sequence", "read_index", "count", "samples")),
+    *(f"reply_{name}" for name in ("crc", "sequence", "index", "position", "next", "count")),
+    *(f"reply_{name}" for name in ("origin", "state", "fifo", "samples")),
+)
+
 INTEGERS: tuple[RegisterType, ...] = ("uint16", "int16", "uint32", "int32", "uint64", "int64")
 # 16-bit registers that one value occupies.
 WORDS: Mapping[RegisterType, int] = {

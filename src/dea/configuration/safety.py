@@ -19,6 +19,8 @@ from dea.configuration.section import (
 from dea.errors import InputError
 
 Mode = Literal["buffered", "polled"]
+# Signals of one register each, by their keys: those that are read, and those that are written.
+READ, WRITTEN = ("monitor", "current"), ("enable", "heartbeat")
 # Share by which a heartbeat may be faster than its device is asked: 0.033 s stands for 30 Hz.
 ROUNDING = 0.02
 
@@ -101,9 +103,7 @@ class Safety(Section):
     def named_registers(self) -> dict[str, str]:
         """Names of the registers that it needs, by the key that names them."""
         named = {
-            key: part.name
-            for key in ("monitor", "current", "enable", "heartbeat")
-            if (part := getattr(self, key)) is not None
+            key: part.name for key in (*READ, *WRITTEN) if (part := getattr(self, key)) is not None
         }
         named |= {f"interlocks.{key}": each.name for key, each in self.interlocks.items()}
         return {f"{key}.name": name for key, name in named.items()}

@@ -1,26 +1,14 @@
 """What ``safety`` and ``registers`` of a device description must agree on."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
-from dea.configuration.register import INTEGERS, WORDS, Register
-from dea.configuration.safety import Enable, Safety
+from dea.configuration.register import INTEGERS, KNOWN, NEEDED, WORDS, Register
+from dea.configuration.safety import WRITTEN, Enable, Safety
 from dea.configuration.section import refuse
 
-WRITTEN = ("enable", "heartbeat")
 
-
-def check_registers(
-    safety: Safety,
-    registers: Mapping[str, Register],
-    needed: Collection[str],
-    known: Collection[str],
-) -> None:
+def check_registers(safety: Safety, registers: Mapping[str, Register]) -> None:
     """Check that each signal has a register of its own that can hold what it must.
-
-    Parameters
-    ----------
-    needed, known
-        Registers that are driven and recorded, and all that the acquisition knows by name.
 
     Raises
     ------
@@ -32,7 +20,7 @@ def check_registers(
         signal = place.removesuffix(".name")
         if name not in registers:
             raise refuse(f"safety.{place}", f"no register {name!r}", "Describe it under registers.")
-        if name in (known if signal in WRITTEN else needed):
+        if name in (KNOWN if signal in WRITTEN else NEEDED):
             raise refuse(
                 f"safety.{place}",
                 f"{name!r} is a register that the acquisition itself uses",

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from dea.configuration.acquisition import Acquisition, Actuator, Bench
 from dea.configuration.control import Control
-from dea.configuration.device import NEEDED, DeviceDescription
+from dea.configuration.device import DeviceDescription
 from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
@@ -17,6 +17,7 @@ from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Forecast, Identification, Orders, Validation
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
+from dea.configuration.register import NEEDED
 from dea.configuration.resolution import Resolution
 from dea.configuration.safety import refuse_unkept_heartbeat
 from dea.configuration.section import Section, Whole, key, refuse
