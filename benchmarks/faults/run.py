@@ -159,7 +159,7 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
             + (plain_module.SAFETY if schedule.safety else "")
         )
         # As if it had been commissioned.
-        write_report(read_device(description), description, {"device": "plain module"})
+        write_report(read_device(description), {"device": "plain module"})
     else:
         description = MAP
     arguments = [
@@ -198,7 +198,7 @@ def _name_the_proxy(description: Path) -> None:
     """Have the report be of the module behind the proxy, which is where the drives go."""
     report = json.loads(report_file(description).read_text())
     with suppress(DeviceError):  # a check has failed, and the report says so
-        write_report(read_device(description), description, report)
+        write_report(read_device(description), report)
 
 
 def _tripping(schedule: Schedule, trace: Trace, origin: float | None, until: float) -> bool:

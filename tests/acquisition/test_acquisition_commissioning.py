@@ -135,7 +135,7 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
         drive(path, tmp_path, "--arm", "A. Person")
     assert "not commissioned" in capsys.readouterr().err
     assert not module.history
-    report = write_report(read_device(path), path, {"device": "plain module"})
+    report = write_report(read_device(path), {"device": "plain module"})
     assert json.loads(report.read_text())["device"] == "plain module"
     refuse_uncommissioned(read_device(path))
     description(module, tmp_path, sampling_rate=40)
@@ -147,7 +147,7 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
 def test_a_report_commissions_no_device_at_another_place(module, tmp_path, where):
     path = description(module, tmp_path)
     device = read_device(path)
-    write_report(device, path, {"device": "plain module"})
+    write_report(device, {"device": "plain module"})
     with pytest.raises(InputError, match=r"was commissioned is at 127.* this one at") as caught:
         refuse_uncommissioned(replace(device, **where))
     assert caught.value.field == "endpoint"
@@ -156,7 +156,7 @@ def test_a_report_commissions_no_device_at_another_place(module, tmp_path, where
 
 def test_a_report_that_does_not_say_where_commissions_nothing(module, tmp_path):
     path = description(module, tmp_path)
-    report = json.loads(write_report(read_device(path), path, {}).read_text())
+    report = json.loads(write_report(read_device(path), {}).read_text())
     del report["endpoint"]
     report_file(path).write_text(json.dumps(report))
     with pytest.raises(InputError, match="an unknown place"):
@@ -176,7 +176,7 @@ def test_a_program_of_ones_own_drives_no_device_that_was_not_commissioned(module
             acquire(device, excitation, tmp_path / "a.partial", settings)
     assert not module.history
     report = commission(device, tmp_path / "c.partial", SETTINGS, 0.03)
-    write_report(device, device.source, report)
+    write_report(device, report)
     assert acquire(device, np.ones(5), tmp_path / "a.partial", settings).record.sizes["time"] == 5
 
 
@@ -196,7 +196,7 @@ def test_a_report_of_a_failed_check_commissions_nothing(
     path = description(module, tmp_path)
     report = {"watchdog": "tripped", "read_back_gain": 1.0, "read_back_delay": 0.01} | found
     with pytest.raises(DeviceError, match=rf"{field}: .*commission --arm NAME"):
-        write_report(read_device(path), path, report)
+        write_report(read_device(path), report)
     with pytest.raises(SystemExit) as exit_:
         drive(path, tmp_path, "--arm", "A. Person")
     assert exit_.value.code == 2

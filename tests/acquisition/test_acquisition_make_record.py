@@ -66,7 +66,7 @@ def guard(tmp_path):
     device = tmp_path / "config/devices/mine.yaml"
     description = yaml.safe_load(device.read_text())
     device.write_text(yaml.safe_dump(description | {"safety": {"max_rate": 100.0}}))
-    write_report(read_device(device), device, {"device": "virtual bench"})
+    write_report(read_device(device), {"device": "virtual bench"})
 
 
 def test_high_voltage_is_armed_in_so_many_words(study, capsys, tmp_path):

@@ -91,7 +91,7 @@ def commission(options: argparse.Namespace) -> None:
     partial = options.device.with_suffix(".commissioning.partial")
     report = staircase(device, partial, settings, options.share)
     print(json.dumps(report, indent=2, sort_keys=True))
-    print(f"written to {write_report(device, options.device, report)}")
+    print(f"written to {write_report(device, report)}")
 
 
 def _excitation_settings(options: argparse.Namespace) -> dict[str, Any]:

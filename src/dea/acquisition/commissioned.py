@@ -24,15 +24,18 @@ def report_file(description: Path) -> Path:
     return description.with_suffix(".commissioned.json")
 
 
-def write_report(device: Device, description: Path, report: Mapping[str, Any]) -> Path:
-    """Write the report beside the description, with the endpoint and the description's hash.
+def write_report(device: Device, report: Mapping[str, Any]) -> Path:
+    """Write the report on a device beside the file that describes it; return where.
+
+    It holds the endpoint and the description's hash, too.
 
     Raises
     ------
     DeviceError
         Where a check has failed; the report is written all the same.
     """
-    path = report_file(description)
+    assert device.source is not None
+    path = report_file(device.source)
     content = {**report, "description_sha256": _hash(device), "endpoint": endpoint(device)}
     with atomic(path) as partial:
         partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
