@@ -1,5 +1,6 @@
 """The safety model: what trips, what a trip does, and who may drive after it."""
 
+import socket
 import threading
 import time
 from contextlib import suppress
@@ -226,6 +227,20 @@ def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(module,
         acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS, watch=open_door)
     assert module.volts == 0.0
     assert not module.enabled
+
+
+def test_a_host_is_looked_up_once_so_that_what_was_checked_is_driven(module, tmp_path, monkeypatch):
+    asked, look_up = [], socket.getaddrinfo
+
+    def looked_up(host, *given, **named):
+        asked.append(host)
+        return look_up(host, *given, **named)
+
+    monkeypatch.setattr(socket, "getaddrinfo", looked_up)
+    target = described(module).at(host="localhost")
+    acquire(target, np.full(5, 1.0), tmp_path / "a.partial", SETTINGS)
+    assert asked.count("localhost") == 1
+    assert max(volts for _, volts in module.history) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_nothing_is_driven_unless_somebody_has_armed_it(module, tmp_path):

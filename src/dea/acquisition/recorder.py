@@ -15,7 +15,6 @@ from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import TakenError
 from dea.acquisition.process import Process
 from dea.acquisition.samples import DrivenSamples
-from dea.acquisition.transport import at_address
 from dea.acquisition.wire import unpacked
 from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError
@@ -48,9 +47,7 @@ class Recorder:
     """
 
     def __init__(self, job: DriveJob, log: LinkLog, check: Callable[[], None]) -> None:
-        # A look-up of names may take longer than anybody waits for a sign of life.
-        self.job = job._replace(device=at_address(job.device))
-        self.log, self.check = log, check
+        self.job, self.log, self.check = job, log, check
         self.kept: Callable[[], int] = lambda: 0
         self.answer: Callable[[float], int] | None = None  # of a closed loop
         self.evidence = ""
