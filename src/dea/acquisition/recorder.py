@@ -118,7 +118,7 @@ class Recorder:
                 self._replace_guardian(lost, error)
             except ZeroNotVerifiedError:
                 raise
-            except DeviceError:
+            except DeviceError:  # a refusal, after which there is nothing to take to zero
                 pass
 
     def _replace_guardian(self, lost: int, error: GuardianLostError) -> None:

@@ -254,7 +254,7 @@ def _show(step: str) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; exits as :func:`dea.acquisition.reported`, and with 130 if ended."""
+    """Run the command line; exits as :func:`dea.acquisition.reported`."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.resolve", description=__doc__)
     parser.add_argument("name", nargs="+", help="actuators of config/config.yaml, or cases")
     parser.add_argument(
