@@ -139,7 +139,7 @@ def _first_unseen(time: Array, held_out: int, resample: float | None) -> int:
     """
     if resample is None:
         return held_out
-    step = resample / max(round(resample / store.usual_interval(time)), 1)
+    step = resample / store.samples_per_interval(time, resample)
     # The last value before that part is interpolated between the samples around its time.
     last = time[0] + held_out * resample - step
     return int(np.searchsorted(time, last - _JITTER * step)) + 1

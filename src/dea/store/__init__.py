@@ -17,7 +17,7 @@ from dea.store.records import (
     require_squares,
     signals,
 )
-from dea.store.resampling import check_order, usual_interval
+from dea.store.resampling import check_order, samples_per_interval, usual_interval
 from dea.store.sources import Sources
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "read_record",
     "real_numbers",
     "require_squares",
+    "samples_per_interval",
     "sha256",
     "signals",
     "usual_interval",

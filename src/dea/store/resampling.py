@@ -44,6 +44,11 @@ def usual_interval(time: Array) -> float:
     return short if abs(short - slope) * count[-1] < _SHIFT * slope else slope
 
 
+def samples_per_interval(time: Array, interval: float) -> int:
+    """Return how many samples of a record's own rate an interval holds, rounded, one at least."""
+    return max(round(interval / usual_interval(time)), 1)
+
+
 def check_order(time: Array) -> None:
     """Refuse times that do not ascend.
 
@@ -88,7 +93,7 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
         )
     at, u_known, y_known = time[known], u[known], y[known]
     check_order(at)
-    several = max(round(interval / usual_interval(at)), 1)
+    several = samples_per_interval(at, interval)
     step = interval / several
     count = (int((at[-1] - at[0]) / step + _CLOSE) + 1) // several * several
     if count < 2 * several:
