@@ -164,7 +164,11 @@ def _fields(row: str, layout: Layout) -> list[str]:
 
 
 def _of_width(rows: Sequence[str], layout: Layout, widest: int) -> list[list[str]]:
-    """Return the fields of the rows as wide as the table, or not much; the last may be empty."""
+    """Return the fields of the rows that are as wide as the table; others are no headings.
+
+    One field less leaves the last one empty. A spreadsheet pads rows to the width of its widest:
+    empty fields beyond the ``widest`` are passed over.
+    """
     fields = (_fields(row, layout) for row in rows)
     near = (row for row in fields if layout.columns - 1 <= len(row) and not any(row[widest:]))
     return [[*row, ""][: layout.columns] for row in near]
