@@ -56,11 +56,20 @@ def test_rtu_over_tcp(serve_bench, tmp_path):
 
 
 @contextmanager
-def serial_line(port):
-    """A pseudo-terminal whose other end talks to a TCP port."""
+def terminal():
+    """The handle of a pseudo-terminal, and the name of its other end, which passes bytes as is."""
     master, slave = pty.openpty()
     tty.setraw(slave)
-    plain = socket.create_connection(("127.0.0.1", port))
+    try:
+        yield master, os.ttyname(slave)
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+@contextmanager
+def serial_line(port):
+    """The name of a pseudo-terminal whose other end talks to a TCP port."""
     ended = threading.Event()
 
     def pass_on():
@@ -71,16 +80,14 @@ def serial_line(port):
             if plain in ready:
                 os.write(master, plain.recv(512))
 
-    thread = threading.Thread(target=pass_on)
-    thread.start()
-    try:
-        yield os.ttyname(slave)
-    finally:
-        ended.set()
-        thread.join()
-        plain.close()
-        os.close(master)
-        os.close(slave)
+    with terminal() as (master, name), socket.create_connection(("127.0.0.1", port)) as plain:
+        thread = threading.Thread(target=pass_on)
+        thread.start()
+        try:
+            yield name
+        finally:
+            ended.set()
+            thread.join()
 
 
 def test_over_a_serial_line(serve_bench, tmp_path):
@@ -92,22 +99,19 @@ def test_over_a_serial_line(serve_bench, tmp_path):
 
 @pytest.mark.parametrize("step", [-20.0, 3600.0])
 def test_no_step_of_the_clock_changes_the_timeout_of_a_serial_line(serve_bench, monkeypatch, step):
-    master, slave = pty.openpty()
-    tty.setraw(slave)
-    line = Serial(os.ttyname(slave), parity="N")
-    device = replace(serve_bench().endpoint, framing="serial", serial=line)
-    link = Link(device, LinkSettings(timeout=0.5, retries=0, reconnect_time=0.0))
-    link.open()
-    now = time.time
-    looks = iter([0.0])  # the clock is set after the first look
-    monkeypatch.setattr(time, "time", lambda: now() + next(looks, step))
-    begun = time.monotonic()
-    with pytest.raises(LinkError, match="no valid reply"):
-        link.read(0, 1)
-    assert 0.5 <= time.monotonic() - begun < 5.0
-    link.close()
-    os.close(master)
-    os.close(slave)
+    with terminal() as (_, name):
+        line = Serial(name, parity="N")
+        device = replace(serve_bench().endpoint, framing="serial", serial=line)
+        link = Link(device, LinkSettings(timeout=0.5, retries=0, reconnect_time=0.0))
+        link.open()
+        now = time.time
+        looks = iter([0.0])  # the clock is set after the first look
+        monkeypatch.setattr(time, "time", lambda: now() + next(looks, step))
+        begun = time.monotonic()
+        with pytest.raises(LinkError, match="no valid reply"):
+            link.read(0, 1)
+        assert 0.5 <= time.monotonic() - begun < 5.0
+        link.close()
 
 
 def test_a_serial_line_that_does_not_exist(serve_bench, tmp_path):
