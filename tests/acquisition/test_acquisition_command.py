@@ -35,9 +35,13 @@ ROOT = Path(__file__).parents[2]
 DEVICE = ROOT / "config/devices/virtual_bench.yaml"
 
 
+def words_to_drive(bench, output):
+    return ["drive", "--device", str(DEVICE), "--port", str(bench.endpoint.port),
+            "--duration", "6", "--ramp-rate", "20", "--output", str(output)]  # fmt: skip
+
+
 def drive(bench, output, *options):
-    main(["drive", "--device", str(DEVICE), "--port", str(bench.endpoint.port), "--duration", "6",
-          "--ramp-rate", "20", "--output", str(output), *options])  # fmt: skip
+    main([*words_to_drive(bench, output), *options])
 
 
 @pytest.mark.parametrize("options", [[], ["--live"]])
@@ -428,9 +432,7 @@ def test_a_closed_terminal_costs_no_record(serve_bench, tmp_path, capfd, kind):
 
 
 def test_a_program_without_standard_error_drives(serve_bench, tmp_path):
-    words = ["drive", "--device", str(DEVICE), "--port", str(serve_bench().endpoint.port),
-             "--duration", "6", "--ramp-rate", "20",
-             "--output", str(tmp_path / "record.nc")]  # fmt: skip
+    words = words_to_drive(serve_bench(), tmp_path / "record.nc")
     command = ["sh", "-c", 'exec "$0" "$@" 2>&-', sys.executable, "-m", "dea.acquisition", *words]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout
