@@ -23,6 +23,11 @@ def device():
     return replace(read_device(DEVICE), port=45679)
 
 
+def full(*_, **__):
+    """Fail as a disk without room does."""
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
 def test_a_trip_is_found_by_another_name_and_from_another_account(device, monkeypatch, tmp_path):
     latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
@@ -68,10 +73,6 @@ def test_a_damaged_trip_counts_and_its_file_is_named(device, left):
 def test_a_trip_that_cannot_be_written_whole_leaves_the_one_before(device, monkeypatch):
     path = latch.latch_file(device)
     latch.latch(path, device.name, "the door is open", WHEN)
-
-    def full(*_, **__):
-        raise OSError("No space left on device")
-
     monkeypatch.setattr("pathlib.Path.write_text", full)
     with pytest.raises(OSError, match="No space"):
         latch.latch(path, device.name, "the current is too large", WHEN)
@@ -100,7 +101,7 @@ def test_a_trip_is_held_until_a_full_disk_takes_it(device, monkeypatch):
     def latch_when_there_is_room(*trip):
         tried.release()
         if not room.is_set():
-            raise OSError(errno.ENOSPC, "No space left on device")
+            full()
         took(*trip)
 
     monkeypatch.setattr(first_trip, "latch", latch_when_there_is_room)
@@ -142,9 +143,6 @@ def test_a_trip_of_the_time_in_which_one_is_acknowledged_stays(device, monkeypat
 
 
 def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
     latch.latch(latch.latch_file(device), device.name, "the door is open", WHEN)
     with monkeypatch.context() as patched:
         patched.setattr("os.write", full)
@@ -187,9 +185,6 @@ def test_a_trip_that_two_acknowledge_at_once_is_cleared_once(device, monkeypatch
 
 
 def test_a_full_disk_that_would_take_no_trip_is_refused_before_any_voltage(device, monkeypatch):
-    def full(_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
     monkeypatch.setattr("os.fsync", full)
     with pytest.raises(InputError, match=r"could not be kept there \(No space left on device\)"):
         latch.refuse_latched(replace(device, safety=Safety()))
