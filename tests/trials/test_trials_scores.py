@@ -53,6 +53,15 @@ def test_a_label_counts_times_from_the_start_of_the_record():
     assert trials.Label.of({**told, "effects": [step | {"port": "outside"}]}).outside
 
 
+def test_an_effect_that_is_named_at_another_port_too_is_one_too_many():
+    twice = trials.effect_set(["sensor_lag", "dead_zone", "sensor_lag"])
+    assert twice == {"sensor_lag", "dead_zone", "sensor_lag 2"}
+    for hidden, names in ((SINGLE, ["sensor_lag"] * 2), (PAIR, ["dead_zone", "end_stop"] * 2)):
+        verdict = said("named", *trials.effect_set(names))
+        assert trials.outcome(hidden, verdict, FAMILY) == "wrong name"
+        assert not acceptable(hidden, verdict.effects)
+
+
 SINGLE, PAIR = label("sensor_lag"), label("dead_zone", "end_stop")
 NOTHING, FOREIGN = label(), label("sticking_sensor", outside=True)
 

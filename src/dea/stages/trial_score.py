@@ -84,9 +84,9 @@ def _said(
     wrong = certificate["extended"].values[certified] - np.load(truth)[first + samples]
     return trials.Said(
         status=verdict.status,
-        effects=frozenset(verdict.names),
-        rivals=tuple(frozenset(rival) for rival in verdict.rivals),
-        ranking=tuple((frozenset(one["effects"]), one["error"]) for one in ranking),
+        effects=trials.effect_set(verdict.names),
+        rivals=tuple(trials.effect_set(rival) for rival in verdict.rivals),
+        ranking=tuple((trials.effect_set(one["effects"]), one["error"]) for one in ranking),
         error_before=verdict.certified["rmse_before"],
         error_after=verdict.certified["rmse_after"],
         noise_floor=verdict.noise_floor,

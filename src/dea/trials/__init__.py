@@ -1,6 +1,6 @@
 """Scores of blind trials: verdicts against the labels that were sealed."""
 
-from dea.trials.outcome import KINDS, OUTCOMES, Label, Said, kind_of, outcome
+from dea.trials.outcome import KINDS, OUTCOMES, Label, Said, effect_set, kind_of, outcome
 from dea.trials.proportion import Proportion, wilson
 from dea.trials.scores import scores
 from dea.trials.seals import open_seal
@@ -11,6 +11,7 @@ __all__ = [
     "Label",
     "Proportion",
     "Said",
+    "effect_set",
     "kind_of",
     "open_seal",
     "outcome",

@@ -1,6 +1,7 @@
 """The outcome of one verdict against the opened label."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Self
@@ -101,6 +102,16 @@ class Said:
     whole: bool = True
     truth_error: float = inf
     intervals: Mapping[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
+
+
+def effect_set(names: Iterable[str]) -> frozenset[str]:
+    """Return names as a set, in which one that is given again, at another port, has its number."""
+    seen: Counter[str] = Counter()
+    found = []
+    for name in names:
+        seen[name] += 1
+        found.append(name if seen[name] == 1 else f"{name} {seen[name]}")
+    return frozenset(found)
 
 
 def kind_of(label: Label) -> str:
