@@ -10,7 +10,7 @@ rule recover:
     benchmark:
         "results/benchmark/recover.tsv"
     params:
-        settings=settings("identification", "recovery"),
+        settings=settings("recovery"),
     shell:
         stage(
             "recover --models {input.models:q} --settings {params.settings:q}"

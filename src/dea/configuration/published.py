@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from dea.configuration.section import NotNegative, Number, Positive, Section, key, refuse
+from dea.configuration.section import NotNegative, Number, Section, key, refuse
 
 
 def _texts(terms: Any) -> Any:
@@ -18,7 +18,6 @@ Terms = Annotated[dict[str, Number], BeforeValidator(_texts)]
 class PublishedModels(Section):
     """Polynomial NARX models of normalised input and output, as plants with known answers."""
 
-    sampling_rate: Positive | None = key("of the models", unit="Hz", default=None)
     models: dict[str, Terms] = key("coefficients by name of the model and term, such as y(t-1)")
 
 

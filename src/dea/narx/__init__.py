@@ -29,7 +29,7 @@ from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.rest import polished
 from dea.narx.scaling import Scaling
-from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined
+from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined, Search
 from dea.narx.selection import select_common_terms, select_terms
 from dea.narx.simulation import BOUND, padded_lags, simulate, simulate_varying
 from dea.narx.stability import Stability, UnstableModel
@@ -53,6 +53,7 @@ __all__ = [
     "Orthogonal",
     "Refined",
     "Scaling",
+    "Search",
     "Stability",
     "UnstableModel",
     "Windows",

@@ -23,9 +23,8 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     from dea import store
     from dea.excitation import design
     from dea.gfrf import score_recovery
-    from dea.narx import Forward, Refined, Scaling, load_published, select_terms
+    from dea.narx import Forward, Refined, Scaling, Search, load_published, select_terms
     from dea.seeds import generator
-    from dea.stages.identification import selection_arguments
 
     choice = settings["recovery"]
     rate = choice["sampling_rate"]
@@ -33,8 +32,12 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     # White is the same Gaussian input whose band reaches (almost) half the sampling rate.
     bands = {"coloured": choice["band"], "white": 0.499 * rate}
     excitations = choice["excitation"]
+    candidates = {name: choice[name] for name in ("y_lags", "u_lags", "degree")}
     threshold = choice["threshold"]
-    searches = {"forward": Forward(threshold, threshold), "refined": Refined(threshold)}
+    searches: dict[str, Search] = {
+        "forward": Forward(threshold, threshold),
+        "refined": Refined(threshold),
+    }
     shape = (len(plants), len(excitations), len(searches))
     scores = {name: np.empty(shape) for name in _SCORES}
     for i, (name, plant) in enumerate(plants.items()):
@@ -57,9 +60,8 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
             noise = generator(settings["seed"], "recover", name, excitation, "noise")
             y += choice["noise"] * y.std() * noise.standard_normal(y.size)
             test = excite("test", choice["band"])
-            arguments = selection_arguments(settings["identification"])
             for k, search in enumerate(searches.values()):
-                found = select_terms(u, y, scaling=Scaling(), **arguments | {"search": search})
+                found = select_terms(u, y, scaling=Scaling(), search=search, **candidates)
                 result = score_recovery(plant, found, test, rate, choice["band"])
                 for score, value in result.items():
                     scores[score][i, j, k] = value
