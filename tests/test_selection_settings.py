@@ -1,14 +1,15 @@
 """What the section `identification` of the config comes to in :func:`dea.select_terms`."""
 
 import inspect
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
+import xarray as xr
 
 from dea import select_terms
 from dea.configuration.identification import Identification
-from dea.narx import SEARCHES
-from dea.stages.identification import selection_arguments
+from dea.narx import SEARCHES, NarxModel, Refined
+from dea.stages.identification import common_search, selection_arguments
 
 SECTION = {
     "start": 0.0, "length": 10.0, "y_lags": 2, "u_lags": [0, 2], "degree": 2,
@@ -37,6 +38,18 @@ def test_a_threshold_is_that_of_the_search():
     )
     assert (refined.threshold, refined.rounds) == (0.5, 7)
     assert (forward.add_threshold, forward.prune_threshold) == (0.5, 0.5)
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+@pytest.mark.parametrize("threshold", [0.5, None])
+def test_a_common_structure_is_searched_for_in_the_rounds_of_the_config(name, threshold):
+    model = NarxModel.from_terms({"u(t-1)": 1.0})
+    found = [model, replace(model, trace=xr.Dataset())]
+    found += [replace(model, trace=xr.Dataset({"threshold": each})) for each in (1e-4, 2e-4, 7e-4)]
+    search = common_search(SECTION | {"search": name, "threshold": threshold}, found)
+    given = name == "refined" and threshold is not None
+    assert search == Refined(0.5 if given else 2e-4, 7)
+    assert common_search(SECTION | {"search": name, "threshold": None}, []) == Refined(None, 7)
 
 
 def test_a_search_that_is_unknown_is_refused():

@@ -44,7 +44,8 @@ class Identification(Section):
     )
     threshold: Part | None = key(
         "share of the output's energy that a term explains; where it is null, the refined search"
-        " takes it from the record, the forward one 1e-5; a case without it has the study's",
+        " takes it from the record, the forward one 1e-5; the orthogonal one does without; a case"
+        " without it has the study's",
         default=None,
     )
     rounds: WholeNotNegative = key("largest number of steps of the refined search")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dea import store
+from dea.configuration.lags import largest_lag
 from dea.errors import InputError
 from dea.missing import stretches
 
@@ -77,23 +78,12 @@ def good_stretches(
     InputError
         If none is long enough for the lags of ``identification``.
     """
-    lag = max(
-        lag
-        for lags in (identification["y_lags"], identification["u_lags"])
-        for lag in _every_lag(lags)
-    )
+    lag = largest_lag(identification["y_lags"], identification["u_lags"])
     try:
         found = stretches(np.isfinite(signals.y), part, lag)
     except InputError as error:
         raise InputError(error.problem, file=file, field="quality", remedy=error.remedy) from error
     return [signals.u[each] for each in found], [signals.y[each] for each in found]
-
-
-def _every_lag(lags: int | Sequence[Any]) -> list[int]:
-    """Return the lags of a setting: the largest, a list, or a list for each of several inputs."""
-    if isinstance(lags, int):
-        return [lags]
-    return [0, *(lag for each in lags for lag in _every_lag(each))]
 
 
 # Keys of the section that say where models come from and how; all others are of `select_terms`.
@@ -121,6 +111,22 @@ def _search(identification: Mapping[str, Any]) -> Any:
             return Orthogonal()
         case other:
             raise ValueError(f"no search is called {other!r}")
+
+
+def common_search(identification: Mapping[str, Any], own: Sequence[Any]) -> Any:
+    """Return the refined search of a structure that several systems share.
+
+    Where the section gives it no threshold, it is the median of those that the searches of their
+    ``own`` models came to.
+    """
+    from dea.narx import Refined
+
+    threshold = identification.get("threshold")
+    if identification["search"] != "refined" or threshold is None:
+        traces = [model.trace for model in own if model.trace is not None]
+        reached = [float(trace["threshold"]) for trace in traces if "threshold" in trace]
+        threshold = float(np.median(reached)) if reached else None
+    return Refined(threshold, identification["rounds"])
 
 
 def as_found(search: Any, model: Any) -> Any:

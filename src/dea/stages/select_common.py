@@ -11,11 +11,10 @@ def select_common(
     settings: Mapping[str, Any], records: list[Path], models: list[Path], common: Path
 ) -> None:
     """Write ``common_model.nc`` from the record and the own model of every actuator."""
-    import numpy as np
-
     from dea import store
-    from dea.narx import NarxModel, Refined, compare_structures, select_common_terms
+    from dea.narx import NarxModel, compare_structures, select_common_terms
     from dea.stages.identification import (
+        common_search,
         good_stretches,
         selection_arguments,
         with_independent,
@@ -30,13 +29,7 @@ def select_common(
         identify.append(good_stretches(each, chosen, record, identification))
         tests.append((each.u[later], each.y[later]))
     selection = selection_arguments(identification)
-    if not isinstance(selection["search"], Refined) or selection["search"].threshold is None:
-        reached = [
-            float(model.trace["threshold"])
-            for model in own
-            if model.trace is not None and "threshold" in model.trace
-        ]
-        selection["search"] = Refined(float(np.median(reached)) if reached else None)
+    selection["search"] = common_search(identification, own)
     found = select_common_terms(identify, **selection)
     dataset = compare_structures(
         {record.parent.name: model for record, model in zip(records, found, strict=True)},
