@@ -50,8 +50,10 @@ def test_stretches_lie_between_the_missing_samples():
     seen = np.isfinite(with_nothing_there())
     found = stretches(seen, slice(95, 700), lag=2, terms=4)
     assert [(each.start, each.stop) for each in found] == [(102, 640), (641, 700)]
-    with pytest.raises(InputError, match="samples 99 to 103 hold no"):
-        stretches(seen, slice(99, 104), lag=2)
+    with pytest.raises(InputError, match="samples 97 to 103 hold no 7 in a row"):
+        stretches(seen, slice(97, 104), lag=2)
+    with pytest.raises(InputError, match="200 to 205 are 6, of which lags and terms take 7"):
+        stretches(seen, slice(200, 206), lag=2)
 
 
 def test_the_values_between_are_interpolated_only_to_start_runs():

@@ -63,9 +63,16 @@ def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) ->
         if run.stop - run.start >= shortest
     ]
     if not found:
+        last = part.indices(seen.size)[1] - 1
+        if last - first + 1 < shortest:
+            raise InputError(
+                f"samples {first} to {last} are {last - first + 1}, of which lags and terms take"
+                f" {shortest}",
+                field="y",
+                remedy="Choose a longer part, or smaller lags",
+            )
         raise InputError(
-            f"samples {first} to {part.indices(seen.size)[1] - 1} hold no {shortest} in a row that"
-            " are good",
+            f"samples {first} to {last} hold no {shortest} in a row that are good",
             field="y",
             remedy="Record it again, choose another part, or smaller lags",
         )

@@ -7,12 +7,16 @@ import yaml
 
 from changed_content import REMOVED, changed
 from dea.configuration.case import SECTIONS, check_case, read_cases, simulation_of
-from dea.configuration.study import check_actuators, check_names, check_study, settings
+from dea.configuration.named_files import check_actuators
+from dea.configuration.study import check_names, check_study, settings
 from dea.errors import InputError
 
 CONFIG = Path(__file__).parents[2] / "config"
 STUDY = yaml.safe_load((CONFIG / "config.yaml").read_text())
 CASES = {path: yaml.safe_load(path.read_text()) for path in sorted(CONFIG.glob("cases/*.yaml"))}
+
+
+STAIRS = {"kind": "staircase", "duration": 1800, "low": 1.1, "high": 3.75}
 
 
 def test_the_settings_of_jobs_are_those_that_were_written():
@@ -68,6 +72,8 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["excitation", "record", "duration"], 1e300, "excitation.record.duration", "to 2e+06 s"),
         (["excitation", "record", "low"], 9, "excitation.record.low", "not below high, 3.75"),
         (["excitation", "second", "period"], 301, "excitation.second.period", "longer than"),
+        (["excitation", "record"], STAIRS | {"hold": 0.4}, "excitation.record.rise", "hold, 0.4 s"),
+        (["excitation", "record"], STAIRS | {"rest": 0.4}, "excitation.record.rise", "rest, 0.4 s"),
         (["excitation", "second", "band"], 0.01, "excitation.second.band", "first line"),
         (["acquisition", "mode"], "blocks", "acquisition.mode", "buffered, polled"),
         (["acquisition", "timeout"], 0, "acquisition.timeout", "at least 0.001 s"),
@@ -94,6 +100,8 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["gfrf", "lowest"], 0.2, "gfrf.lowest", "not below highest"),
         (["gfrf", "plane_times", 1], 1.5, "gfrf.plane_times[1]", "from 0 to 1"),
         (["gfrf"], 7, "gfrf", "mapping"),
+        (["orders", "start"], 599, "orders.start", "end of the segment"),
+        (["excitation", "record", "band"], 0.04, "excitation.probing.lowest", "0.04 Hz, where"),
         (["trials", "count"], "six", "trials.count", "from 1 to 9999"),
         (["trials", "count"], 10_000, "trials.count", "from 1 to 9999"),
         (["trials", "first"], 9_800, "trials.count", "fewer trials"),
@@ -288,8 +296,43 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
         check_actuators(study, served, "bench.yaml")
 
 
+@pytest.mark.parametrize(
+    ("place", "value", "field", "words"),
+    [
+        (["excitation", "record", "band"], 25.0, "excitation.record.band", "of the 50 Hz of"),
+        (["excitation", "probing", "highest"], 25.0, "excitation.probing.highest", "25 Hz is not"),
+        (["identification", "length"], 0.3, "identification.length", "15 samples"),
+        (["orders", "length"], 0.3, "orders.length", "lags of 5 take more than 15"),
+        (["validation", "before"], 0.18, "validation.before", "hold 9 samples"),
+        (["forecast", "window"], 0.18, "forecast.window", "hold 9 samples"),
+        (["validation", "max_lag"], 750, "validation.max_lag", "holds 1500 at the 50 Hz of"),
+    ],
+)
+def test_what_the_rate_of_a_device_does_not_allow_is_refused(
+    monkeypatch, place, value, field, words
+):
+    monkeypatch.chdir(CONFIG.parent)
+    served = [f"dea{i}" for i in range(1, 7)]
+    with pytest.raises(InputError, match=words) as caught:
+        check_actuators(check_study(changed(STUDY, place, value)), served, "bench.yaml")
+    assert caught.value.field == field
+    assert caught.value.file == "config/config.yaml"
+    assert "virtual_bench.yaml" in str(caught.value)
+
+
+# What a device of 1 Hz allows.
+SLOW = [
+    (["excitation", "record", "band"], 0.2),
+    (["excitation", "second", "band"], 0.2),
+    (["validation", "max_lag"], 10),
+]
+
+
 def test_a_heartbeat_that_the_mode_of_the_study_does_not_keep_is_refused(tmp_path, monkeypatch):
-    study = check_study(STUDY)
+    slow = changed(STUDY, ["excitation", "probing"], REMOVED)
+    for place, value in SLOW:
+        slow = changed(slow, place, value)
+    study = check_study(slow)
     device = tmp_path / study.actuators[0].device
     device.parent.mkdir(parents=True)
     text = (CONFIG / "devices" / device.name).read_text()

@@ -8,13 +8,9 @@ import imports
 from dea.audit import collect, withdraw
 from dea.configuration.bench import BENCH, plain_settings, read_bench
 from dea.configuration.case import read_cases, simulation_of
+from dea.configuration.named_files import check_actuators, check_files
 from dea.configuration.record import is_part_of
-from dea.configuration.study import (
-    check_actuators,
-    check_files,
-    check_names,
-    check_study,
-)
+from dea.configuration.study import check_names, check_study
 from dea.configuration.study import settings as written
 
 STARTED = time.time()

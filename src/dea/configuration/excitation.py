@@ -88,6 +88,18 @@ class Staircase(Sequence):
     rest: NotNegative = key("time at rest between levels", unit="s", default=10.0, le=LONGEST)
     rise: Duration = key("length of a step's edge", unit="s", default=0.5)
 
+    @model_validator(mode="after")
+    def _edges(self) -> Self:
+        for name, time in (("hold", self.hold), ("rest", self.rest)):
+            if 0.0 < time < self.rise:
+                raise refuse(
+                    "rise",
+                    f"{self.rise:g} s is longer than {name}, {time:g} s, so that no level is"
+                    " reached",
+                    f"Shorten it, or lengthen {name}.",
+                )
+        return self
+
 
 class Binary(Sequence):
     """A filtered random binary sequence."""

@@ -1,6 +1,6 @@
 """config/config.yaml as a whole, and what its sections must agree on."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -8,18 +8,14 @@ from pydantic import Field, model_validator
 
 from dea.configuration.acquisition import Acquisition, Actuator, Bench
 from dea.configuration.control import Control
-from dea.configuration.device import DeviceDescription
 from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
-from dea.configuration.files import read_yaml
 from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Forecast, Identification, Orders, Validation
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
-from dea.configuration.register import NEEDED
 from dea.configuration.resolution import Resolution
-from dea.configuration.safety import refuse_unkept_heartbeat
 from dea.configuration.section import Section, Whole, key, refuse
 from dea.configuration.tracking import Tracking
 from dea.configuration.trials import Trials
@@ -83,6 +79,13 @@ class Study(Section):
         segment = self.identification.start + self.identification.length
         # Independent data begin after the segment unless it is said where.
         independent = segment if self.orders.start is None else self.orders.start
+        if independent < segment:
+            raise refuse(
+                "orders.start",
+                f"{independent:g} s lies before the end of the segment that models are identified"
+                f" from, {segment:g} s",
+                "Begin the independent data later, or leave it out.",
+            )
         for section, end in (
             ("identification", segment),
             ("orders", independent + self.orders.length),
@@ -128,6 +131,18 @@ class Study(Section):
         return self
 
     @model_validator(mode="after")
+    def _probing_inside_the_band(self) -> Self:
+        band, probing = getattr(self.excitation.record, "band", None), self.excitation.probing
+        if band is not None and probing is not None and probing.lowest > band:
+            raise refuse(
+                "excitation.probing.lowest",
+                f"{probing.lowest:g} Hz lies above the band of the record, {band:g} Hz, where alone"
+                " models are identified",
+                "Lower it, or raise excitation.record.band.",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _tracker_runs(self) -> Self:
         check_tracker(self.gfrf, self.tracking)
         return self
@@ -152,72 +167,6 @@ def check_study(content: Mapping[str, Any], file: str | Path = FILE) -> Study:
         Naming the file, the key and the remedy.
     """
     return validated(Study, content, file)
-
-
-def check_actuators(
-    study: Study, served: Sequence[str], bench: str | Path, file: str | Path = FILE
-) -> None:
-    """Check every device description, and that ``bench`` has every virtual actuator.
-
-    Raises
-    ------
-    InputError
-        Naming the actuator and the names in ``served`` that its ``bench`` may be, or what is wrong
-        with a device description.
-    """
-    devices = {
-        f"actuators[{index}].device": actuator.device
-        for index, actuator in enumerate(study.actuators)
-    } | {"trials.device": study.trials.device}
-    for place, device in devices.items():
-        _require_file(device, file, place, "copy a description of config/devices there")
-    for device in dict.fromkeys(devices.values()):
-        content = read_yaml(
-            device, what="the device description", example="one of config/devices/*.yaml"
-        )
-        described = validated(DeviceDescription, content, device)
-        for name in NEEDED:
-            if name not in described.registers:
-                raise InputError(
-                    f"there is no register {name!r}",
-                    file=device,
-                    field="registers",
-                    remedy="Describe it, or correct the name of the register that is meant.",
-                )
-        refuse_unkept_heartbeat(
-            described.safety, study.acquisition.mode, described.sampling_rate, device
-        )
-    for index, actuator in enumerate(study.actuators):
-        if actuator.bench is not None and actuator.bench not in served:
-            raise InputError(
-                f"{actuator.name} is to be {actuator.bench!r}, which {bench} does not have",
-                file=file,
-                field=f"actuators[{index}].bench",
-                remedy=f"Name one of {', '.join(served)}, or add an entry there.",
-            )
-
-
-def check_files(study: Study, file: str | Path = FILE) -> None:
-    """Check that there is every other file that the study names.
-
-    Raises
-    ------
-    InputError
-        Naming the key.
-    """
-    _require_file(
-        study.recovery.models, file, "recovery.models", "name config/published_models.yaml"
-    )
-
-
-def _require_file(named: str, file: str | Path, field: str, remedy: str) -> None:
-    if not Path(named).is_file():
-        raise InputError(
-            f"there is no file {named!r}",
-            file=file,
-            field=field,
-            remedy=f"Correct the path, or {remedy}.",
-        )
 
 
 def check_simulation(name: str, known: Collection[str], file: str | Path, field: str) -> None:

@@ -193,14 +193,19 @@ def _spans(windows: Windows, rate: float, samples: int) -> list[tuple[slice, sli
         first = round(begin * rate)
         last = first + round((end - begin) * rate)
         earliest = first - round(windows.before * rate)
-        short = last - first <= 2 * windows.max_lag
-        if earliest < 0 or last > samples or short or earliest >= first:
+        if last - first <= 2 * windows.max_lag:
+            raise InputError(
+                f"the window {begin:g} to {end:g} s holds {last - first} samples, not more than"
+                f" twice {windows.max_lag}",
+                field="max_lag",
+                remedy="Take less than half of a window, or longer windows.",
+            )
+        if earliest < 0 or last > samples or earliest >= first:
             raise InputError(
                 f"the window {begin:g} to {end:g} s with {windows.before:g} s before it does not"
-                f" fit a record of {samples / rate:g} s, or is not longer than twice"
-                f" {windows.max_lag} samples",
+                f" fit a record of {samples / rate:g} s",
                 field="windows",
-                remedy="Choose windows inside the record, or fewer lags.",
+                remedy="Choose windows inside the record.",
             )
         spans.append((slice(earliest, first), slice(first, last)))
     if len({window.stop - window.start for _, window in spans}) != 1:

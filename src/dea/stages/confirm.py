@@ -17,6 +17,7 @@ def confirm(
     import numpy as np
 
     from dea import nonparametric, store
+    from dea.errors import InputError
     from dea.gfrf import frequency_response_band
     from dea.narx import NarxModel
     from dea.tracking import with_constant
@@ -65,6 +66,14 @@ def confirm(
             )
         )
     highest = float(responses["frequency"].values[responses["excited"].values == 1].max())
+    if f[0] > highest:
+        raise InputError(
+            f"its first line, {f[0]:g} Hz, lies above {highest:.3g} Hz, where the band of the model"
+            " ends",
+            file=probed,
+            field="excitation.probing.lowest",
+            remedy="Lower it, and record again",
+        )
     result = nonparametric.confirmation(measured, found, modelled, highest)
     result.attrs["model_band_withheld"] = withheld
     store.write(

@@ -16,8 +16,9 @@ from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.excitation import sections
 from dea.configuration.files import read_yaml
+from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
-from dea.configuration.study import FILE, check_actuators, check_study
+from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.errors import DeviceError, InputError
 from dea.stages.driving import PlayedExcitation, excitation, write

@@ -15,8 +15,9 @@ from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import DESIGNED, read_cases, simulation_of
 from dea.configuration.files import read_yaml
+from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
-from dea.configuration.study import FILE, Study, check_actuators, check_study
+from dea.configuration.study import FILE, Study, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import InputError

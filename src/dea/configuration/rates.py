@@ -1,0 +1,65 @@
+"""What the study asks of a device's sampling rate."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from dea.configuration.lags import largest_lag
+from dea.configuration.study import Study
+from dea.errors import InputError
+
+
+def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) -> None:
+    """Check that excitations and stretches of the study's record suit a device's rate in Hz.
+
+    Raises
+    ------
+    InputError
+        Naming the key, and the device whose rate it is.
+    """
+    for field, highest in _frequencies(study):
+        if highest >= 0.5 * rate:
+            raise InputError(
+                f"{highest:g} Hz is not below half of the {rate:g} Hz of {device}",
+                file=file,
+                field=field,
+                remedy="Lower it, or sample faster",
+            )
+    for field, length, lag in _stretches(study):
+        samples = round(length * rate)
+        if samples <= 3 * lag:
+            raise InputError(
+                f"{length:g} s hold {samples} samples at the {rate:g} Hz of {device}, and lags of"
+                f" {lag} take more than {3 * lag}",
+                file=file,
+                field=field,
+                remedy="Lengthen it, or take smaller lags",
+            )
+    for first, last in study.validation.windows:
+        samples = round((last - first) * rate)
+        if samples <= 2 * study.validation.max_lag:
+            raise InputError(
+                f"{study.validation.max_lag} samples, and the window [{first:g}, {last:g}] s holds"
+                f" {samples} at the {rate:g} Hz of {device}",
+                file=file,
+                field="validation.max_lag",
+                remedy="Take less than half of a window, or longer windows",
+            )
+
+
+def _frequencies(study: Study) -> Iterator[tuple[str, float]]:
+    for name in ("record", "second"):
+        band = getattr(getattr(study.excitation, name), "band", None)
+        if band is not None:
+            yield f"excitation.{name}.band", band
+    if study.excitation.probing is not None:
+        yield "excitation.probing.highest", study.excitation.probing.highest
+
+
+def _stretches(study: Study) -> Iterator[tuple[str, float, int]]:
+    """Yield field, length in s and largest lag of what models are estimated or scored on."""
+    lag = largest_lag(study.identification.y_lags, study.identification.u_lags)
+    compared = max(study.orders.dynamic, study.orders.lags)
+    yield "identification.length", study.identification.length, max(lag, compared)
+    yield "orders.length", study.orders.length, compared
+    yield "validation.before", study.validation.before, lag
+    yield "forecast.window", study.forecast.window, lag
