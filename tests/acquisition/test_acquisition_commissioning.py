@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from dea.acquisition import AcquisitionSettings, ClosedLoop, acquire
+from dea.acquisition import AcquisitionSettings, ClosedLoop, acquire, refuse_unarmed
 from dea.acquisition.__main__ import main
 from dea.acquisition.commissioned import refuse_uncommissioned, report_file, write_report
 from dea.acquisition.commissioning import _delay, commission
@@ -163,8 +163,12 @@ def test_a_report_that_does_not_say_where_commissions_nothing(module, tmp_path):
         refuse_uncommissioned(read_device(path))
 
 
-def test_a_virtual_device_is_not_commissioned(module, tmp_path):
-    refuse_uncommissioned(replace(read_device(description(module, tmp_path)), virtual=True))
+def test_a_virtual_device_is_neither_commissioned_nor_armed(module, tmp_path):
+    device = read_device(description(module, tmp_path))
+    with pytest.raises(InputError, match="nobody has armed"):
+        refuse_unarmed(device, "")
+    refuse_uncommissioned(replace(device, virtual=True))
+    refuse_unarmed(replace(device, virtual=True), "")
 
 
 def test_a_program_of_ones_own_drives_no_device_that_was_not_commissioned(module, tmp_path):

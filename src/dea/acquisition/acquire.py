@@ -180,12 +180,14 @@ def _attempt(
 def refuse_unarmed(device: Device, armed_by: str) -> None:
     """Refuse a device with a safety model that nobody has armed by name.
 
+    A virtual one has no high voltage; a name given for its sake would arm the real one as well.
+
     Raises
     ------
     InputError
         Naming the ways to arm it.
     """
-    if device.safety is not None and not armed_by.strip():
+    if device.safety is not None and not device.virtual and not armed_by.strip():
         raise InputError(
             "nobody has armed the high voltage",
             file=device.source,
