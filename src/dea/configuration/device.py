@@ -130,6 +130,14 @@ class DeviceDescription(Section):
                 "read" if "access" in output.model_fields_set else "missing, which means read",
                 "Give write or read_write: it is what is driven.",
             )
+        for name in ("applied_output", "displacement"):
+            register = self.registers.get(name)
+            if register and register.access == "write":
+                raise refuse(
+                    f"registers.{name}.access",
+                    "write",
+                    "Give read or read_write: it is what is measured.",
+                )
         for name, why in WHOLE.items():
             register = self.registers.get(name)
             if register and (register.type not in INTEGERS or register.count > 1):
