@@ -47,3 +47,17 @@ def test_a_record_in_which_nothing_happens_is_refused(role, keep):
 def test_what_is_no_record_is_refused(given):
     with pytest.raises(InputError, match=r"record: it is .* Give a dea\.Record"):
         diagnose(given, "dea_membrane")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"workers": 0}, "workers: it is 0. Give at least one"),
+        ({"test_records": []}, "test_records: it is list. Give them by name"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused(wrong, words):
+    u = np.sin(np.arange(400.0))
+    record = Record.of(u, u, 50.0, units=("V", "mm"))
+    with pytest.raises(InputError, match=words):
+        diagnose(record, "dea_membrane", **wrong)

@@ -56,7 +56,7 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
         ({"unit": "cm"}, ["output is in 'cm'", "Convert the record"]),
         ({"slope": "40.0 * x[0] + p[1] * u"}, ["runs away at its nominal", "nominal values"]),
         ({"slope": "p[1] * u / x[0]"}, ["derivative of level is not a number", "Check"]),
-        ({"slope": "p[1] * u - x[1]"}, ["not declared", "There are 1 states"]),
+        ({"slope": "p[1] * u - x[1]"}, ["not declared", "There is 1 state and"]),
         ({"ports": PORTS.replace('drive="gain", ', "")}, ["drive", "worked example"]),
         ({"ports": PORTS.replace('"gain"', '"power"')}, ["drive names 'power'", "rate, gain"]),
         ({"ports": PORTS.replace('("level",', '("speed",')}, ["names 'speed'", "level"]),

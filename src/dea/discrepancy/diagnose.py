@@ -99,14 +99,16 @@ def diagnose(
     ------
     InputError
         If units do not match, no output of a record is known, the record is too short for the
-        split, or the simulation diverges.
+        split, the simulation diverges, or an argument is of another kind.
     """
+    if workers < 1:
+        raise InputError(f"it is {workers}", field="workers", remedy="Give at least one")
     settings = settings or Settings()
     rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     rng = generator(settings.seed, settings.name, "diagnose")
     records = [signals_of(each, own) for each in _listed(record)]
-    others = {name: _tested(name, other, own) for name, other in (test_records or {}).items()}
+    others = _tested_all({} if test_records is None else test_records, own)
     offered = _offered(settings.effects)
 
     # Split the record, and fit the simulation alone.
@@ -186,6 +188,18 @@ def diagnose(
         rules=rules,
         not_offered=not_offered(rounds, offered),
     )
+
+
+def _tested_all(
+    records: "Mapping[str, Record | xr.Dataset]", simulation: Simulation
+) -> dict[str, Samples]:
+    if not isinstance(records, Mapping):
+        raise InputError(
+            f"it is {type(records).__name__}",
+            field="test_records",
+            remedy='Give them by name, as {"second": record}',
+        )
+    return {name: _tested(name, record, simulation) for name, record in records.items()}
 
 
 def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) -> Samples:

@@ -238,7 +238,9 @@ class Simulation:
     def _check_indices(self, x: np.ndarray, p: np.ndarray) -> None:
         """Read both equations, and run them uncompiled once: compiled ones check no indices."""
         several = f" of {len(self.inputs)} inputs" * (len(self.inputs) > 1)
-        remedy = f"There are {x.size} states and {p.size} parameters{several}, counted from 0"
+        states = "is 1 state" if x.size == 1 else f"are {x.size} states"
+        parameters = "1 parameter" if p.size == 1 else f"{p.size} parameters"
+        remedy = f"There {states} and {parameters}{several}, counted from 0"
         for function, role, own in (
             (self.derivative, "derivative", (np.empty_like(x),)),
             (self.output, "output", ()),
