@@ -22,7 +22,7 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.estimates import Uncertainty, uncertainty
 from dea.discrepancy.report.summary import verdict_of
 from dea.discrepancy.report.verdict import Verdict
-from dea.discrepancy.rules import Rules
+from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.not_offered import NotOffered
 from dea.simulation import Input
@@ -121,6 +121,11 @@ class Diagnosis:
     def complete(self) -> float:
         """Residual that remains of a complete simulation: noise and stated accuracy."""
         return float(np.hypot(self.floor, self.nominal.extended.simulation.accuracy))
+
+    @property
+    def gap(self) -> float:
+        """RMS that the simulation alone leaves beyond white noise, on the samples seen."""
+        return misfit(self.problem.seen_rmse(self.nominal.residual), self.error.white)
 
     @property
     def inputs(self) -> tuple[Input, ...]:

@@ -140,6 +140,7 @@ def prepare(
         np.concatenate([each.certify for each in splits]) & seen,
         max(each.spacing for each in splits),
         min(each.time_constants for each in splits),
+        splits[0].slowest,
     )
     for role, mask in (("fit to", parts.fit | parts.select), ("certify on", parts.certify)):
         if not mask.any():

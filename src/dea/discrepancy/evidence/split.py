@@ -57,7 +57,8 @@ _PATTERNS = (_Pattern(18, 3.0, 3.0), _Pattern(8, 1.5, 1.0), _Pattern(3, 0.75, 1.
 class Split:
     """Masks over the samples of a record, and the spacing between blocks.
 
-    The spacing is given in samples, and in the slowest time constants of the device.
+    The spacing is given in samples, and in the slowest time constants of the device; ``slowest`` is
+    that time in samples.
     """
 
     fit: np.ndarray
@@ -65,6 +66,7 @@ class Split:
     certify: np.ndarray
     spacing: int
     time_constants: float = _TIME_CONSTANTS
+    slowest: float = np.inf
 
     @property
     def close(self) -> bool:
@@ -113,11 +115,11 @@ def split(
     spacing = max(1, int(np.ceil(_TIME_CONSTANTS * slow)))
     for pattern in _PATTERNS:
         if skipped + pattern.least(spacing) <= size:
-            return _placed_best(u, known, skipped, spacing, pattern)
+            return replace(_placed_best(u, known, skipped, spacing, pattern), slowest=slow)
     widest, narrowest = _PATTERNS[-1].widest(size - skipped), int(np.ceil(max(1.0, slow)))
     if widest >= narrowest:
         found = _placed_best(u, known, skipped, widest, _PATTERNS[-1])
-        return replace(found, time_constants=widest / slow)
+        return replace(found, time_constants=widest / slow, slowest=slow)
     needed = shortest_record(narrowest, skipped)
     raise InputError(
         f"the record holds {size * interval:g} s; with a slowest time constant of "

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
+from dea.discrepancy.evidence.outliers import count_outliers
 from dea.discrepancy.fit import beyond_priors
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
@@ -16,15 +17,19 @@ if TYPE_CHECKING:
 _EARLY, _SURE = 0.1, 3.0
 # Part of the residual from which a force that no effect has is worth a remark.
 _FORCE = 0.5
-# Part of the white level from which a coloured error is said.
-_COLOURED = 0.5
+# Part of the white level from which a coloured error is said, and of the gap up to which it may be
+# one to live with.
+_COLOURED, _SMALL = 0.5, 0.5
+# Sampling intervals of the slowest time constant below which a record shows a device at rest alone.
+_RARE = 0.1
 
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
     # What a force would cause is no error to live with.
     rest = _force(found) or _noise(found)
-    texts = (_timing(found), _dated(found), _bounds(found), _laws(found), rest, _close(found))
+    about_record = _rare(found), _outliers(found), _close(found)
+    texts = _timing(found), _dated(found), _bounds(found), _laws(found), rest, *about_record
     return tuple(text for text in texts if text)
 
 
@@ -68,6 +73,31 @@ def _close(found: "Diagnosis") -> str:
         f"The record is short for a device as slow as this: its certified samples are "
         f"{found.split.time_constants:.2g} of the slowest time constants away from those fitted "
         "to, so that the certified error may be too small."
+    )
+
+
+def _rare(found: "Diagnosis") -> str:
+    """Say that the samples are too far apart for any dynamics to be seen."""
+    if found.split.slowest >= _RARE:
+        return ""
+    return (
+        f"The samples are {1.0 / found.split.slowest:.2g} of the simulation's slowest time "
+        "constants apart, so that they show the device at rest alone: check the sampling rate."
+    )
+
+
+def _outliers(found: "Diagnosis") -> str:
+    """Say how many samples lie far from their neighbours."""
+    problem = found.problem
+    if problem.decimation > 1:
+        return ""
+    count = count_outliers(found.final.residual, problem.known, found.floor)
+    if not count:
+        return ""
+    samples = "1 sample lies" if count == 1 else f"{count} samples lie"
+    return (
+        f"{samples} far from the neighbours, alone, as a sensor or a logger makes outliers: flag "
+        "what is no motion as missing, and diagnose again."
     )
 
 
@@ -117,6 +147,9 @@ def _noise(found: "Diagnosis") -> str:
         return ""
     stated = found.nominal.extended.simulation.accuracy
     if error.left <= max(_COLOURED * error.white, stated):
+        return ""
+    if found.decision.status is Status.UNKNOWN and error.left > _SMALL * found.gap:
+        # What is missing would be counted as known.
         return ""
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
