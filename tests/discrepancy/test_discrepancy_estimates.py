@@ -1,6 +1,6 @@
 """In which order the parameters of a named effect are told, and with which intervals."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +11,7 @@ from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.report.estimates import estimates, uncertainty
 from dea.discrepancy.report.steepness import shortened
-from dea.simulation import Parameter
+from dea.simulation import Normalisation, Parameter
 
 
 def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
@@ -30,6 +30,7 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
         free=np.arange(5),
         shapes=np.array([p.shape for p in parameters]),
         at_start=np.array([p.at_start for p in parameters]),
+        frame_of=lambda attached: None,
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
     fit = SimpleNamespace(extended=extended, coordinates=coordinates, values=values)
@@ -38,6 +39,39 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
     assert found["cubic"].value == pytest.approx(0.3)
     assert found["cubic"].low == pytest.approx(0.3 - 1.96 * 0.04)
     assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))
+
+
+def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
+    parameters = (
+        Parameter("stop", "1", 0.4, 0.1, motion="place"),
+        Parameter("radius", "1", 0.5, 1.0, log=True, motion="length"),
+        Parameter("stiffness", "1", 5.0, 1.0),
+    )
+    extended = SimpleNamespace(
+        effect_slices=[slice(0, 3)],
+        attached=[SimpleNamespace(parameters=parameters)],
+        free=np.arange(3),
+        shapes=np.zeros(3, bool),
+        at_start=np.zeros(3, bool),
+        frame_of=lambda attached: (Normalisation(rest=10.0, scale=-2.0), "mm"),
+    )
+    values, deviation = np.array([0.6, 0.25, 6.0]), np.array([0.5, 0.1, 2.0])
+    fit = SimpleNamespace(
+        extended=extended, coordinates=np.array([2.0, -np.log(2.0), 1.0]), values=values
+    )
+    found = estimates(fit, 0, deviation)
+    assert list(found) == ["stop", "radius", "stiffness"]
+    assert asdict(found["stop"]) == pytest.approx(
+        {"value": 8.8, "unit": "mm", "low": 8.604, "high": 8.996, "prior": 9.2, "origin": 10.0}
+    )
+    assert found["radius"].value == pytest.approx(-0.5)
+    assert found["radius"].low == pytest.approx(-0.5 * np.exp(0.196))
+    assert (found["radius"].unit, found["radius"].prior) == ("mm", -1.0)
+    assert (found["stiffness"].unit, found["stiffness"].origin) == ("1", 0.0)
+    # It is as far from the rest as its interval is wide.
+    wide = replace(found["stop"], low=8.25, high=9.4)
+    assert not wide.says_little
+    assert replace(wide, low=8.1, high=9.4).says_little
 
 
 def as_problem(samples, residual):

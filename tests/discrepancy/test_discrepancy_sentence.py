@@ -1,5 +1,6 @@
 """Clauses of the verdict's sentence, and that they agree with each other."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +16,7 @@ from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
-from dea.discrepancy.report.verdict import Estimate, NamedEffect
+from dea.discrepancy.report.verdict import Change, Estimate, NamedEffect
 from dea.discrepancy.rules import Rules
 from dea.simulation import Input, Parameter, catalogue
 
@@ -31,6 +32,9 @@ NAMES = "stiffness", "gain", "timing_offset"
 SHARE = Share(0.724, 0.63, 0.79)
 NO_EQUATION = ResidualModel(1.0, "0", 0.0)
 EQUATION = ResidualModel(0.5, "0.3 u(t-1)", 0.4)
+
+
+SMOOTH = np.sin(np.arange(300.0))
 
 
 def concentrated(rms):
@@ -60,6 +64,7 @@ def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
+    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3,
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -68,6 +73,7 @@ def found(
         extended=extended,
         coordinates=np.array(coordinates),
         covariance=lambda seen, variance: np.diag([0.1, 0.1, 0.0025]),
+        residual=residual,
     )
     chosen = candidate(*names, at_bounds=at_bounds, fit=fit) if names else None
     rivals = tuple(candidate(*each) for each in rivals)
@@ -81,8 +87,14 @@ def found(
         nominal=fit,
         extended=fit,
         final=fit,
-        problem=SimpleNamespace(recorded_interval=0.02, seen=np.ones(4, bool)),
-        split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart),
+        problem=SimpleNamespace(
+            recorded_interval=0.02,
+            seen=np.ones(4, bool),
+            known=np.ones(residual.size, bool),
+            decimation=decimation,
+        ),
+        split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart, slowest=slowest),
+        gap=gap,
         floor=white,
         complete=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),
@@ -280,6 +292,16 @@ def test_what_is_unknown_is_described(reason):
     )
 
 
+def test_a_drift_is_told_by_its_ends():
+    diagnosis = found(Status.NAMED, "gain_drift")
+    drift = replace(named("gain_drift"), change=Change("factor on gain", "1", 1.0, 0.8037))
+    told = "`gain_drift` (factor on gain 1 at the start and 0.804 at the end) removes"
+    assert verdict_sentence(diagnosis, [drift]).startswith(told)
+    drift = replace(drift, change=Change("change of the reading", "mm", 0.0, -0.3))
+    told = "`gain_drift` (change of the reading 0 mm at the start and -0.3 mm at the end) removes"
+    assert verdict_sentence(diagnosis, [drift]).startswith(told)
+
+
 def test_what_withdrew_an_answer_is_told():
     withdrawn = found(Status.UNKNOWN, reason=Reason.CONTRADICTED_ELSEWHERE, share=None)
     withdrawn.decision = Decision(
@@ -375,6 +397,39 @@ def test_it_is_told_that_the_certified_samples_are_close_to_the_others():
     [text] = remarks(found(Status.NONE, apart=1.53))
     assert "its certified samples are 1.5 of the slowest time constants away" in text
     assert remarks(found(Status.NONE)) == ()
+
+
+def test_it_is_told_that_samples_are_too_far_apart():
+    [text] = remarks(found(Status.NAMED, "sensor_lag", slowest=0.006))
+    assert text == (
+        "The samples are 1.7e+02 of the simulation's slowest time constants apart, so that they "
+        "show the device at rest alone: check the sampling rate."
+    )
+    assert remarks(found(Status.NAMED, "sensor_lag", slowest=0.1)) == ()
+
+
+def test_samples_far_from_their_neighbours_are_counted():
+    residual = SMOOTH.copy()
+    residual[[30, 99, 200]] += [50.0, -60.0, 50.0]
+    [text] = remarks(found(Status.UNKNOWN, reason=Reason.NO_EFFECT, residual=residual))
+    assert text.startswith("3 samples lie far from the neighbours, alone, ")
+    assert remarks(found(Status.NONE, residual=residual, decimation=2)) == ()
+    residual[30:] += 50.0
+    residual[[99, 200]] = SMOOTH[[99, 200]] + 50.0
+    [text] = remarks(found(Status.NONE, residual=residual)) or [""]
+    assert text.startswith("1 sample lies")
+
+
+def test_what_explains_little_is_neither_spoken_of_nor_an_error_to_live_with():
+    little = SimpleNamespace(names=("end_stop",), rmse=0.28, finished=True)
+    told = found(
+        Status.UNKNOWN, reason=Reason.NO_EFFECT, left=0.28, effects={"end_stop": 0.9}, pool=[little]
+    )
+    assert "end_stop" not in sentence(told)
+    assert "accuracy" not in sentence(told)
+    told.gap = 1.0
+    assert "Most explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
+    assert "`accuracy: 0.28`" in sentence(told)
 
 
 def test_it_is_told_that_certified_samples_dated_an_event():

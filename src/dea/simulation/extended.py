@@ -238,6 +238,19 @@ class ExtendedSimulation:
             return None
         return ports[attached.place]
 
+    def frame_of(self, attached: Attached) -> tuple[Normalisation, str] | None:
+        """Return how the motion that a force law acts on is normalised, and its position's unit.
+
+        There is neither where the law is no force, or the equation knows no position.
+        """
+        if attached.effect.force is None:
+            return None
+        port = self.simulation.force_ports[attached.place]
+        if port.position is None:
+            return None
+        unit = next(each.unit for each in self.simulation.states if each.name == port.position)
+        return self.normalisations[attached.place], unit
+
     @property
     def takes_force(self) -> bool:
         """Whether another force can be attached."""

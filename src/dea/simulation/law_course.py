@@ -126,10 +126,11 @@ def _pushed(
     extended: Extended, attached: Attached, q: np.ndarray, z: np.ndarray, interval: float
 ) -> LawCourse | None:
     """Return a force along the motion ``z`` at the first port, which the lead-in begins."""
-    port = extended.simulation.force_ports[attached.place]
-    effect = attached.effect
-    if attached.place or port.position is None or effect.force is None:
+    effect, framed = attached.effect, extended.frame_of(attached)
+    if attached.place or effect.force is None or framed is None:
         return None
+    frame, unit = framed
+    port = extended.simulation.force_ports[attached.place]
     lead, w = extended.lead(interval), np.gradient(z) / interval
     # What remembers the motion alone begins with the record, as in the integrator.
     begin = lead if effect.remembers_motion else 0
@@ -139,11 +140,8 @@ def _pushed(
     laws = first_class(effect.force), first_class(effect.update)
     push = _push(*laws, z[begin:], w[begin:], interval, memory, law)[lead - begin :]
     z, w = z[lead:], w[lead:]
-    frame = extended.normalisations[0]
-    states = extended.simulation.states
-    unit = next(state.unit for state in states if state.name == port.position)
     along = (
-        Axis(z * frame.scale + frame.rest, port.position, unit)
+        Axis(z * frame.scale + frame.rest, str(port.position), unit)
         if effect.needs_position
         else Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
     )

@@ -1,6 +1,7 @@
 """A quantity that a fit may change: its unit, prior and bounds."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -30,6 +31,9 @@ class Parameter:
     event
         Whether it says when something happened or how long that took, which only the samples around
         that instant tell.
+    motion
+        Of a law at a force port, whose motion is normalised: whether it is a ``place`` or a
+        ``length`` of it.
 
     Raises
     ------
@@ -48,6 +52,7 @@ class Parameter:
     shape: bool = False
     at_start: bool = False
     event: bool = False
+    motion: Literal["", "place", "length"] = ""
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.spread < np.inf:

@@ -9,6 +9,7 @@ from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.steepness import INTERVAL, shortened
 from dea.discrepancy.report.verdict import Estimate
+from dea.simulation import Normalisation, Parameter
 
 
 class Uncertainty(NamedTuple):
@@ -42,13 +43,15 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
 
     Of those that say something, those with a unit come first, and the best determined, as shares of
     their values or of their distances from the prior mean. Those that only shape the law, or say in
-    which state a record finds it, come last. ``deviation`` (k,) is the standard deviation of all
-    coordinates.
+    which state a record finds it, come last. Places and lengths of the motion at a force port are
+    in the unit of its position, all else of such a law in those of the port. ``deviation`` (k,) is
+    the standard deviation of all coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
     values = fit.values
+    frame = extended.frame_of(extended.attached[index])
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
     found = []
     for position in own:
@@ -60,10 +63,27 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         ]
         value = float(values[i])
         usual = parameter.value(0.0)
-        estimate = Estimate(value, parameter.unit, min(ends), max(ends), usual)
+        estimate = _in_own_unit(
+            Estimate(value, parameter.unit, min(ends), max(ends), usual), parameter, frame
+        )
         size = max(abs(value), abs(value - usual), np.finfo(float).tiny)
-        unsure = (estimate.high - estimate.low) / size
+        unsure = (max(ends) - min(ends)) / size
         aside = extended.shapes[position] or extended.at_start[position]
-        turn = (aside, estimate.says_little, parameter.unit == "1", unsure)
+        turn = (aside, estimate.says_little, estimate.unit == "1", unsure)
         found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
+
+
+def _in_own_unit(
+    estimate: Estimate, parameter: Parameter, frame: tuple[Normalisation, str] | None
+) -> Estimate:
+    """Return the estimate of a place or a length of the motion in the unit of the position."""
+    if frame is None or not parameter.motion:
+        return estimate
+    own, unit = frame
+    origin = own.rest if parameter.motion == "place" else 0.0
+    value, low, high, prior = (
+        origin + own.scale * each
+        for each in (estimate.value, estimate.low, estimate.high, estimate.prior)
+    )
+    return Estimate(value, unit, min(low, high), max(low, high), prior, origin)

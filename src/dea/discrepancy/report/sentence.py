@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
+from dea.discrepancy.rules import misfit
 from dea.number_format import share, written_out
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ _PHRASES: Mapping[str, str] = {
 }
 # Percentage of the residual from which an equation for it is worth a sentence.
 _LEAST_SHARE = 1.0
+# Part of the gap that the best explanation may leave for its effect to be spoken of.
+_LEFT = 0.8
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -156,13 +159,17 @@ def equation_sentence(unexplained: "ResidualModel") -> str:
 
 
 def _nearest(found: "Diagnosis") -> str:
-    """Name the effect that most of the explanations hold, where one is likely, and the best."""
+    """Name the effect that most of the explanations hold, where it explains anything."""
     likely = [name for name, value in found.presence.effects.items() if value >= found.rules.likely]
     if not likely:
         return ""
     best = next((c for c in found.pool if c.finished and likely[0] in c.names), None)
-    left = f"; the best leaves {best.rmse:.3g} {found.units[1]}" if best else ""
-    return f" Most explanations hold {label_in_words(likely[0])}{left}."
+    if best is None or misfit(best.rmse, found.error.white) > _LEFT * found.gap:
+        return ""
+    return (
+        f" Most explanations hold {label_in_words(likely[0])}; the best leaves {best.rmse:.3g} "
+        f"{found.units[1]}."
+    )
 
 
 def _form(found: "Diagnosis") -> str:
@@ -192,7 +199,16 @@ def rivals_in_words(found: "Diagnosis") -> list[str]:
 
 
 def _main(effect: "NamedEffect") -> str:
-    """Say the two parameters that the record determines best, but none that says little."""
+    """Say the two parameters that the record determines best, but none that says little.
+
+    Of a drift say where it begins and ends: its parameters are pieces of its course.
+    """
+    if (change := effect.change) is not None:
+        unit = "" if change.unit == "1" else f" {change.unit}"
+        return (
+            f"{change.name} {change.start:.3g}{unit} at the start and {change.end:.3g}{unit} at "
+            "the end"
+        )
     first = list(effect.parameters.items())[:2]
     told = [(name, e) for name, e in first if not e.says_little]
     return ", ".join(

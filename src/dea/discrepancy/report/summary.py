@@ -9,8 +9,9 @@ from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import verdict_sentence, where_sentence
-from dea.discrepancy.report.verdict import NamedEffect, Verdict
+from dea.discrepancy.report.verdict import Change, NamedEffect, Verdict
 from dea.discrepancy.rules import misfit
+from dea.simulation import Family, Port, law_courses
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -88,9 +89,23 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 rivals=rivals,
                 balance=place.name if place else None,
                 share=part_removed,
+                change=_change(found, index),
             )
         )
     return tuple(result)
+
+
+def _change(found: "Diagnosis", index: int) -> Change | None:
+    """Return what the effect ``index`` makes of a quantity in the course of a single record."""
+    extended, effect = found.final.extended, found.final.extended.attached[index].effect
+    if effect.port is not Port.TIME or effect.family is not Family.AGEING or extended.records > 1:
+        return None
+    problem = found.problem
+    course = law_courses(extended, found.final.values, problem.u, problem.interval)[index]
+    if course is None:
+        return None
+    start, end = (float(each) for each in course.value.values[[0, -1]])
+    return Change(course.value.name, course.value.unit, start, end)
 
 
 def _shares(found: "Diagnosis") -> list[float | None]:

@@ -15,18 +15,33 @@ _JOINED = "+"
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter's value, unit, 95 % interval, and its prior mean."""
+    """A parameter's value, unit, 95 % interval, and its prior mean.
+
+    ``origin`` is what its size counts from: of a place, where the motion rests.
+    """
 
     value: float
     unit: str
     low: float
     high: float
     prior: float
+    origin: float = 0.0
 
     @property
     def says_little(self) -> bool:
         """Whether its interval is wider than its value, and holds what is expected without it."""
-        return self.low <= self.prior <= self.high and self.high - self.low > abs(self.value)
+        wide = self.high - self.low > abs(self.value - self.origin)
+        return self.low <= self.prior <= self.high and wide
+
+
+@dataclass(frozen=True)
+class Change:
+    """A quantity that drifts, at the start and the end of the record."""
+
+    name: str
+    unit: str
+    start: float
+    end: float
 
 
 @dataclass(frozen=True)
@@ -49,6 +64,8 @@ class NamedEffect:
     share
         Part of the misfit that it removes beyond those named before it; none where it was not
         fitted without those named after it.
+    change
+        Of a drift of one record, what drifts, and its course in two numbers.
     """
 
     name: str
@@ -62,6 +79,7 @@ class NamedEffect:
     balance: str | None = None
     presence: float = 1.0
     share: float | None = None
+    change: Change | None = None
 
 
 @dataclass(frozen=True)
@@ -142,6 +160,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     **effect,
                     "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
                     "gain": tuple(effect["gain"]),
+                    "change": Change(**effect["change"]) if effect.get("change") else None,
                     "rivals": tuple(tuple(rival.split(_JOINED)) for rival in effect["rivals"]),
                 }
             )

@@ -72,7 +72,15 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
         Parameter(
-            "slip_deflection", "1", 0.01 * span, 1.0, 5e-4 * span, 0.05 * span, log=True, shape=True
+            "slip_deflection",
+            "1",
+            0.01 * span,
+            1.0,
+            5e-4 * span,
+            0.05 * span,
+            log=True,
+            shape=True,
+            motion="length",
         ),
         Parameter("stiction_excess", "1", 0.0, 0.5, 0.0, 5.0, shape=True),
         Parameter(

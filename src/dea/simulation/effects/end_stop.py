@@ -36,8 +36,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """
     span = scales.z_span
     return (
-        Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span),
-        Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span),
+        Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span, motion="place"),
+        Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span, motion="place"),
         Parameter("stiffness", "1", 5.0, 1.0, 1.0, 300.0, log=True),
         Parameter(
             "corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.1 * span, log=True, shape=True
