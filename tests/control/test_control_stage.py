@@ -1,9 +1,11 @@
 """The stage that tries controllers on a virtual actuator: files in, a dataset out."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from dea import store
 from dea.configuration.bench import BENCH, read_bench
@@ -11,10 +13,12 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.errors import InputError
+from dea.figures.control import control as drawn
 from dea.narx import estimate, refine
 from dea.plant import Rig, read_parameters
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared, save_extended
 from dea.stages import control as stage
+from dea.tables.control import control as tabulated
 from dea.terms import Term
 from made_datasets import record_of
 
@@ -85,6 +89,45 @@ def test_a_controller_and_an_inverse_that_is_played_are_kept(files, tmp_path, mo
     np.testing.assert_allclose(found["rms_error"][:, 0], np.sqrt(np.mean(error**2, axis=1)))
     assert found["rms_error"][0, 0] < 0.05 * found["stroke"]
     assert np.isfinite(found["inverse_error"].values).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "starts"),
+    [(180.0, [0, 60, 120]), (150.0, [0, 60, 90]), (60.02, [0, 0.02]), (45.0, [0])],
+)
+def test_minutes_count_from_the_beginning_and_the_last_ends_with_the_reference(seconds, starts):
+    error = np.random.default_rng(8).standard_normal((2, round(seconds * RATE)))
+    minutes = [error[:, round(s * RATE) : round((s + 60) * RATE)] for s in starts]
+    expected = np.transpose([np.sqrt(np.mean(part**2, axis=1)) for part in minutes])
+    np.testing.assert_allclose(stage._by_minute(error, RATE), expected)
+
+
+@pytest.mark.parametrize("rate", [33.33528, 33.335])
+def test_a_rate_that_gives_no_whole_number_of_samples_adds_no_minute(rate):
+    error = np.ones((1, round(1800 * rate)))
+    assert stage._by_minute(error, rate).shape == (1, 30)
+
+
+def test_the_first_minute_of_the_table_is_the_one_that_the_figure_draws():
+    """An error that grows tells one stretch from another; the reference lasts 90 s."""
+    size = round(90 * RATE)
+    task = SimpleNamespace(run_in=(50,), reference=np.zeros(50 + size), stroke=100.0)
+    design = SimpleNamespace(task=task, sampling_rate=RATE)
+    record = xr.Dataset(
+        {
+            "displacement": ("time", np.r_[np.full(50, 9e9), np.arange(size) / RATE]),
+            "voltage": ("time", np.full(50 + size, 2.0)),
+            "quality": ("time", np.zeros(50 + size)),
+        }
+    )
+    found = {"PI": stage.Followed(record, task.reference, "to the end", 0, stage.ControlScheme())}
+    dataset = stage._dataset(found, design, "V", "mm")
+    (row,) = tabulated({"dea1": dataset}).exact.to_dict("records")
+    for word, axes in zip(("first", "last"), drawn(dataset).axes, strict=False):
+        line = next(line for line in axes.lines if line.get_label() == "measured")
+        shown = line.get_ydata()
+        # The figure ends on the sample of the full minute itself.
+        assert row[f"{word} minute (%)"] == pytest.approx(np.sqrt(np.mean(shown**2)), rel=1e-3)
 
 
 def test_an_actuator_that_is_another_than_planned_is_refused(files, tmp_path):

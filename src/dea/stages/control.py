@@ -1,5 +1,6 @@
 """Let controllers follow a reference with a virtual actuator, and keep how well they did."""
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -170,8 +171,6 @@ def _dataset(
     lead = sum(design.task.run_in)
     reference = design.task.reference[lead:]
     size = reference.size
-    minute = min(round(MINUTE * design.sampling_rate), size)
-    whole = size // minute
     rows: dict[str, list[np.ndarray]] = {"displacement": [], "voltage": [], "quality": []}
     for followed in found.values():
         for name, kept in rows.items():
@@ -182,8 +181,7 @@ def _dataset(
                 else followed.record[name].values[lead:]
             )
     measured = np.array(rows["displacement"])
-    error = (measured - reference)[:, -whole * minute :]  # whole minutes, to the end
-    rms = np.sqrt(np.mean(error.reshape(len(found), whole, minute) ** 2, axis=2))
+    rms = _by_minute(measured - reference, design.sampling_rate)
 
     def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
         return dims, values, {"units": units, "long_name": long_name}
@@ -231,11 +229,28 @@ def _dataset(
         },
         coords={
             each: (each, np.array(list(found), dtype=object)),
-            "minute": variable("minute", np.arange(1, whole + 1), "1", "number of the minute"),
+            "minute": variable("minute", 1 + np.arange(rms.shape[1]), "1", "number of the minute"),
             "time": variable("time", np.arange(size) / design.sampling_rate, "s", "time"),
         },
         attrs={"contract": "control", "sampling_rate": design.sampling_rate},
     )  # fmt: skip
+
+
+def _by_minute(error: "np.ndarray", rate: float) -> "np.ndarray":
+    """Return the root mean square of errors (rows, samples) over (rows, minutes).
+
+    Minutes count from the first sample on. The last one ends with the last sample: of an error that
+    does not last whole minutes, it begins within the minute before. A shorter error is one minute.
+    """
+    import numpy as np
+
+    size, minute = error.shape[1], MINUTE * rate
+    length = min(round(minute), size)
+    before = math.ceil((size - 0.5) / minute) - 1  # half a sample, by which sizes are rounded
+    starts = [*(round(number * minute) for number in range(before)), size - length]
+    parts = [error[:, start : start + length] for start in starts]
+    rms: np.ndarray = np.sqrt(np.mean(np.stack(parts, axis=1) ** 2, axis=2))
+    return rms
 
 
 if __name__ == "__main__":
