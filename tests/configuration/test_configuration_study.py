@@ -98,6 +98,8 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["tracking", "trackers", "local"], REMOVED, "gfrf.tracker", "rls, kalman"),
         (["gfrf", "highest"], 0.51, "gfrf.highest", "up to 0.5"),
         (["gfrf", "lowest"], 0.2, "gfrf.lowest", "not below highest"),
+        (["gfrf", "count"], 1, "gfrf.count", "at least 2"),
+        (["gfrf", "plane_count"], 1, "gfrf.plane_count", "at least 2"),
         (["gfrf", "plane_times", 1], 1.5, "gfrf.plane_times[1]", "from 0 to 1"),
         (["gfrf"], 7, "gfrf", "mapping"),
         (["orders", "start"], 599, "orders.start", "end of the segment"),

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from dea.configuration.section import Count, Number, Part, Section, Share, key, refuse
+from dea.configuration.section import Count, Number, Part, Section, Share, Whole, key, refuse
 
 # Frequencies beyond half the sampling rate repeat those below.
 HALF = 0.5
@@ -22,9 +22,9 @@ class Gfrf(Section):
     instants: Count = key("number of times at which H1 is taken")
     lowest: Number = key("first frequency of H1", gt=0, le=HALF)
     highest: Number = key("last frequency of H1", gt=0, le=HALF)
-    count: Count = key("frequencies of H1, in equal ratios")
+    count: Whole = key("frequencies of H1, in equal ratios", ge=2)
     plane_highest: Number = key("highest frequency of H2 and H3", gt=0, le=HALF)
-    plane_count: Count = key("frequencies of H2 and H3 each way")
+    plane_count: Whole = key("frequencies of H2 and H3 each way", ge=2)
     plane_times: Annotated[list[Part], Field(min_length=1)] = key(
         "times of H2 and H3, as shares of the record"
     )
