@@ -52,26 +52,64 @@ def test_the_report_opens_with_the_findings_and_says_how_each_result_was_made(st
     assert not re.search(r"{{|{%|\*\*|\|---", text)
 
 
-def test_the_report_shows_the_diagnosis_of_a_case(tmp_path, monkeypatch):
+@pytest.fixture
+def results(tmp_path, monkeypatch):
+    """Return a function that makes a report of results by name, without their content.
+
+    Pictures are their names in brackets; it takes the data that figures and tables are made from.
+    """
     (tmp_path / "workflow").symlink_to(ROOT / "workflow")
     monkeypatch.chdir(tmp_path)
-    shown = ["actuators/fig1_dea1", "discrepancy/dea1", "discrepancy/mine", "discrepancy/yours",
-             "cases/fig2_yours"]  # fmt: skip
-    for name in shown:
-        file = tmp_path / "results" / "figures" / f"{name}.png"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.touch()
     monkeypatch.setattr("dea.report.page.figure", lambda name, system="": f"[{name}]")
     monkeypatch.setattr("dea.report.page.table", lambda name: "")
     monkeypatch.setattr("dea.report.page.verdict", lambda name: f"{name} lacks a dead zone.")
-    write(tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text()
+
+    def report(files, cases, made_of):
+        monkeypatch.setattr(
+            "dea.report.page.systems",
+            lambda product: made_of[str(product.relative_to("results").with_suffix(""))],
+        )
+        for file in [*(f"results/{name}" for name in files),
+                     *(f"config/cases/{name}.yaml" for name in cases)]:  # fmt: skip
+            Path(file).parent.mkdir(parents=True, exist_ok=True)
+            Path(file).touch()
+        write(tmp_path / "report.html")
+        return (tmp_path / "report.html").read_text()
+
+    return report
+
+
+OF_ONE = {
+    f"figures/{name}": {"dea1"} for name in ("fig3", "fig3_phase", "fig4_h2", "fig4_h2_phase",
+                                             "fig4_h3")
+} | {"tables/forecast": {"dea1"}}  # fmt: skip
+
+
+def files_of(made_of):
+    return [f"{name}.{'md' if 'tables' in name else 'png'}" for name in made_of]
+
+
+def test_the_report_shows_the_diagnosis_of_a_case(results):
+    shown = ["actuators/fig1_dea1", "discrepancy/dea1", "discrepancy/mine", "discrepancy/yours",
+             "cases/fig2_yours"]  # fmt: skip
+    files = [*files_of(OF_ONE), *(f"figures/{name}.png" for name in shown)]
+    text = results(files, ["mine", "yours", "unmade"], OF_ONE)
     later = text[text.index('id="cases-and-trials"') :]
     assert re.findall(r"\[(\w+/\w+)\]", later) == [
         "discrepancy/mine", "cases/fig2_yours", "cases/fig3_yours", "discrepancy/yours",
     ]  # fmt: skip
     assert "mine lacks a dead zone." in later
     assert "dea1" not in later
+
+
+def test_the_report_leaves_out_what_is_no_longer_studied(results):
+    left = ["actuators/fig1_gone", "discrepancy/gone", "discrepancy/deleted", "cases/fig2_deleted",
+            "fig3_page2"]  # fmt: skip
+    files = [*files_of(OF_ONE), *(f"figures/{name}.png" for name in left)]
+    text = results(files, [], OF_ONE)
+    assert "1 actuators were driven" in text
+    assert "dea1 lacks a dead zone." in text
+    assert not re.search("gone|deleted|page2", text)
 
 
 @pytest.mark.parametrize("room", ["figures", "tables"])

@@ -18,8 +18,7 @@ def origin(product: Path) -> str:
     InputError
         If nothing says which job made it, or it is not what that job made.
     """
-    provenance.check(product, provenance.digest(product))
-    said = json.loads(provenance.description_of(product).read_text(encoding="utf-8"))
+    said = _said(product)
     job, run = said["job"], said["run"]
     rows = [
         ("file", _link(str(product))),
@@ -32,6 +31,25 @@ def origin(product: Path) -> str:
     ]
     body = "".join(f"<tr><th>{name}</th><td>{text}</td></tr>" for name, text in rows)
     return f"<details><summary>how it was made</summary><table>{body}</table></details>"
+
+
+def systems(product: Path) -> set[str]:
+    """Return the systems from whose datasets the job of ``product`` made it.
+
+    Raises
+    ------
+    InputError
+        As :func:`origin`.
+    """
+    return {Path(source).parent.name for source in _said(product)["job"]["inputs"]}
+
+
+def _said(product: Path) -> dict[str, Any]:
+    provenance.check(product, provenance.digest(product))
+    said: dict[str, Any] = json.loads(
+        provenance.description_of(product).read_text(encoding="utf-8")
+    )
+    return said
 
 
 def _run(run: dict[str, Any]) -> str:

@@ -13,10 +13,12 @@ from PIL import Image
 
 from dea import provenance
 from dea.atomic_file import atomic
+from dea.configuration.case import case_files
 from dea.errors import InputError
-from dea.report.origin import origin, verdict
+from dea.report.origin import origin, systems, verdict
 
 TEXTS = Path("workflow/report")
+CASES = Path("config/cases")
 WIDTH = 1500  # pixels, enough for the width of a page
 QUALITY = 85  # of a lossy picture, in per cent
 
@@ -32,11 +34,12 @@ def write(file: Path) -> None:
     """
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string((TEXTS / "report.md").read_text(encoding="utf-8"))
-    actuators = _shown("actuators", "fig1_")
-    cases = {*_shown("cases", "fig2_"), *_shown("discrepancy", "")} - {*actuators}
+    # What is left of a system that has been taken out of the study stays among the results.
+    actuators = systems(_result("tables/forecast.md"))
+    cases = {path.stem for path in case_files(CASES, ".yaml")}
     text = template.render(
-        actuators=actuators,
-        cases=sorted(cases),
+        actuators=sorted(actuators),
+        cases=sorted(cases & {*_shown("cases", "fig2_"), *_shown("discrepancy", "")}),
         figure=figure,
         table=table,
         verdict=verdict,
