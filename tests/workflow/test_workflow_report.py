@@ -112,6 +112,15 @@ def test_the_report_leaves_out_what_is_no_longer_studied(results):
     assert not re.search("gone|deleted|page2", text)
 
 
+def test_the_report_shows_every_page_of_the_responses(results):
+    pages = {f"{name}_page2": {"dea2"} for name in OF_ONE if "figures" in name}
+    both = OF_ONE | pages | {"tables/forecast": {"dea1", "dea2"}}
+    text = results(files_of(both), [], both)
+    for name in pages:
+        name = name.removeprefix("figures/")
+        assert f"[{name.removesuffix('_page2')}]</p>\n<p>[{name}]" in text
+
+
 @pytest.mark.parametrize("room", ["figures", "tables"])
 def test_every_caption_is_filled_in(room, monkeypatch):
     monkeypatch.chdir(ROOT)

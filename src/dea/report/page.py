@@ -2,6 +2,8 @@
 
 import base64
 import io
+from collections.abc import Set
+from functools import partial
 from html import escape
 from pathlib import Path
 from types import SimpleNamespace
@@ -41,14 +43,15 @@ def write(file: Path) -> None:
         actuators=sorted(actuators),
         cases=sorted(cases & {*_shown("cases", "fig2_"), *_shown("discrepancy", "")}),
         figure=figure,
+        paged_figure=partial(paged_figure, of=actuators),
         table=table,
         verdict=verdict,
         there=_there,
     )
     body = MarkdownIt("commonmark", {"html": True}).enable("table").render(text)
     style = (TEXTS / "report.css").read_text(encoding="utf-8")
-    with atomic(file) as partial:
-        partial.write_text(
+    with atomic(file) as unfinished:
+        unfinished.write_text(
             '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             f"<title>dea-study</title><style>{style}</style></head><body>{body}</body></html>\n",
@@ -68,6 +71,17 @@ def figure(name: str, system: str = "") -> str:
     image = f'<img alt="{escape(f"{kind} {system}".strip())}" src="{source}">'
     picture = f'<a href="figures/{name}.pdf">{image}</a>'
     return _framed(picture, _caption("figures", kind, system), file)
+
+
+def paged_figure(name: str, of: Set[str]) -> str:
+    """Return the pages of a figure, one after the other, until all systems ``of`` are on them."""
+    pages: list[str] = []
+    shown: set[str] = set()
+    while not of <= shown:
+        page = f"{name}_page{len(pages) + 1}" if pages else name
+        pages.append(figure(page))
+        shown |= systems(_result(f"figures/{page}.png"))
+    return "\n\n".join(pages)
 
 
 def table(name: str) -> str:
