@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import floor, log10
+from math import floor, isfinite, log10
 from typing import Any, NamedTuple
 
 import xarray as xr
 
 from dea.equation import equation_html, equation_text, scaling_text
-from dea.number_format import number
+from dea.number_format import number, written_out
 from dea.store import Record, Sources, signals
 from dea.terms import Term
 
@@ -166,9 +166,12 @@ class Findings:
 def percentage(nmse: float) -> str:
     """Return the share of the output's variance that a run explains.
 
-    It has a decimal, and as many more as it takes to say that a part is left.
+    It has a decimal, and as many more as it takes to say that a part is left; three digits where
+    the run is far worse than the mean of the output.
     """
+    if not isfinite(nmse):
+        return number(nmse)
     if nmse >= 1e3:
-        return number(float("inf"))
+        return f"{written_out(number(100 * (1 - nmse)))} %"
     decimals = min(max(1, -floor(log10(100 * nmse))), _DECIMALS) if nmse > 0 else _DECIMALS
     return f"{100 * (1 - nmse):.{decimals}f} %"
