@@ -118,6 +118,23 @@ def test_the_verdict_says_what_is_left():
     assert "diverges" in verdict(p, explained, np.inf, 2.0, "mm")
 
 
+@pytest.mark.parametrize(
+    ("rms", "spread", "size"),
+    [
+        (0.0999, 0.1, "0.1 mm, 100 % of"),
+        (123.0, 100.0, "120 mm, 120 % of"),
+        (0.05, 2.0, "0.05 mm, 2.5 % of"),
+        (2e-4, 2.0, "0.0002 mm, 0.01 % of"),
+    ],
+)
+def test_sizes_and_shares_are_written_out(rms, spread, size):
+    p, explained = np.full((1, 5), 0.5), np.zeros((1, 5))
+    p[0, 1], explained[0, 1] = 1e-6, 0.996
+    said = verdict(p, explained, rms, spread, "mm")
+    assert f"The residual is {size} the output's spread" in said
+    assert "past values of the input (100 %)" in said
+
+
 def test_the_verdict_names_which_of_several_inputs_explains_the_residual():
     rng = np.random.default_rng(5)
     u = rng.standard_normal((600, 2))

@@ -15,6 +15,7 @@ from dea.autoregression import fit_autoregression, innovations
 from dea.inputs import by_input, input_count
 from dea.narx.checks import Array
 from dea.narx.residuals import PAIR_TEST, each_test, product
+from dea.number_format import written_out
 
 LEVEL = 0.05  # of all tests of a system together
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
@@ -108,7 +109,10 @@ def verdict(
     """
     if not np.isfinite(rms):
         return "The free run diverges; there is no residual to test."
-    size = f"The residual is {rms:.2g} {units}, {100 * rms / spread:.2g} % of the output's spread"
+    size = (
+        f"The residual is {_two_digits(rms)} {units},"
+        f" {_two_digits(100 * rms / spread)} % of the output's spread"
+    )
     count = p_value.size
     white = count * p_value[:, 0].min() > LEVEL
     colour = "white" if white else "coloured"
@@ -122,7 +126,7 @@ def verdict(
         for test, columns in tests
     ]
     shown = [
-        f"{meaning} ({100 * share:.2g} %)"
+        f"{meaning} ({_two_digits(100 * share)} %)"
         for meaning, p, share in zip(meanings, joint, explained.max(axis=0)[1:], strict=True)
         if p < LEVEL
     ]
@@ -137,6 +141,10 @@ def verdict(
         f"{size}; it is {colour}, and past values of {what} still explain part of its"
         f" innovations (p {_below(joint.min())})."
     )
+
+
+def _two_digits(value: float) -> str:
+    return written_out(f"{value:.2g}")
 
 
 def _below(p: float) -> str:
