@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import same_color
+from matplotlib.colors import same_color, to_hex
+from matplotlib.lines import Line2D
 
 import made_datasets as made
 from dea.figures import style
@@ -273,6 +274,39 @@ def test_link_plots_the_round_trips_and_the_lateness_of_each_system():
         retries, reconnects = int(dataset["retries"].sum()), int(dataset["reconnects"])
         errors = f"{int(dataset['errors'][0])} no reply\n2 short reply"
         assert row == [name, "900", str(retries), str(reconnects), errors]
+
+
+def looks(artists, colour):
+    """How lines or steps look, each as often as it is there."""
+    return [(to_hex(getattr(each, colour)()), str(each.get_linestyle())) for each in artists]
+
+
+def test_links_of_more_systems_than_there_are_colours_are_told_from_each_other():
+    links = {f"dea{seed}": made.link(seed, polled=True) for seed in range(1, 10)}
+    figure = link(links)
+    trips, course, lateness, _ = figure.axes
+    assert len(set(looks(trips.patches, "get_edgecolor"))) == 9
+    assert len(set(looks(lateness.lines, "get_color"))) == 9
+    assert len({(line.get_color(), line.get_marker()) for line in course.lines}) == 9
+    handles = figure.legends[0].legend_handles
+    assert [to_hex(each.get_color()) for each in handles] == [
+        to_hex(line.get_color()) for line in course.lines
+    ]
+    assert [each.get_marker() for each in handles[6:]] == [
+        line.get_marker() for line in course.lines[6:]
+    ]
+
+
+def test_more_times_of_h2_than_there_are_colours_are_told_from_each_other():
+    response = made.gfrf(1).isel(time_h2=[0, 1, 2, 2, 2])
+    times = np.linspace(300.0, 1500.0, 5)
+    figure = fig4_h2({"dea1": response.assign_coords(time_h2=response["time_h2"].copy(data=times))})
+    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "$|H_2(f, f)|$ (mm/V²)")
+    drawn = looks(ax.lines, "get_color")
+    assert len(set(drawn)) == 5
+    handles = figure.legends[0].legend_handles
+    told = [each for each in handles if isinstance(each, Line2D)]
+    assert looks(told, "get_color") == drawn
 
 
 def test_link_shows_every_bar_whole_and_says_whose_clock_it_is():

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from dea.figures import style
@@ -34,25 +35,32 @@ def link(links: Mapping[str, xr.Dataset]) -> Figure:
         figure = style.page_figure(style.FULL_WIDTH, max(66, 22 + 6 * len(links)))
         axes = figure.subplot_mosaic("tcr", width_ratios=[1, 1, 1.5])
     trips, course, repairs = axes["t"], axes["c"], axes["r"]
-    colours = {name: style.CYCLE[i % len(style.CYCLE)] for i, name in enumerate(links)}
-    _round_trips(trips, links, colours)
-    _course(course, links, colours)
+    looks = {name: style.look(number) for number, name in enumerate(links)}
+    _round_trips(trips, links, looks)
+    _course(course, links, looks)
     if polled:
-        _lateness(axes["l"], polled, colours)
+        _lateness(axes["l"], polled, looks)
     _repairs(repairs, links)
-    handles, labels = trips.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(links), 8))
+    handles = [
+        handle if look.is_plain else Line2D([], [], color=look.colour, ls=look.line, lw=1.0,
+                                            marker=look.marker, ms=2, mew=0)
+        for handle, look in zip(trips.get_legend_handles_labels()[0], looks.values(), strict=True)
+    ]  # fmt: skip
+    figure.legend(handles, list(looks), loc="outside upper center", ncols=min(len(links), 8))
     style.panel_letters(list(axes.values()), x=-22)
     return figure
 
 
-def _round_trips(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
+def _round_trips(
+    ax: Axes, links: Mapping[str, xr.Dataset], looks: Mapping[str, style.Look]
+) -> None:
     used = [np.inf, 0.0]
     for name, dataset in links.items():
         low, high = (dataset[f"round_trip_{end}"].values * _MILLI for end in ("low", "high"))
         count = dataset["round_trip_count"].values
         edges = np.append(low, high[-1])
-        ax.stairs(count, edges, color=colours[name], lw=1.0, label=name)
+        look = looks[name]
+        ax.stairs(count, edges, color=look.colour, ls=look.line, lw=1.0, label=name)
         filled = np.flatnonzero(count)
         used = [min(used[0], low[filled[0]]), max(used[1], high[filled[-1]])]
     ax.set(xscale="log", xlabel="round trip (ms)", ylabel="exchanges per bin")
@@ -64,24 +72,26 @@ def _round_trips(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str
     ax.yaxis.set_major_formatter("{x:g}")
 
 
-def _course(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
+def _course(ax: Axes, links: Mapping[str, xr.Dataset], looks: Mapping[str, style.Look]) -> None:
     for name, dataset in links.items():
         sent = dataset["send_time"].values
         trip = (dataset["receive_time"].values - sent) * _MILLI
-        ax.plot(sent, trip, ".", ms=2, mew=0, color=colours[name], rasterized=True)
+        look = looks[name]
+        ax.plot(sent, trip, look.marker, ms=2, mew=0, color=look.colour, rasterized=True)
     ax.set(yscale="log", xlabel="time of the request, host's clock (s)", ylabel="round trip (ms)")
     style.plain_log_ticks(ax.yaxis)
 
 
 def _lateness(
-    ax: Axes, polled: Mapping[str, NDArray[np.float64]], colours: Mapping[str, str]
+    ax: Axes, polled: Mapping[str, NDArray[np.float64]], looks: Mapping[str, style.Look]
 ) -> None:
     """Draw the share of samples against their lateness, of the links that the host paces."""
     ax.set(xlabel="lateness behind the deadline (ms)", ylabel="share at least as late")
     for name, jitter in polled.items():
         late = np.sort(jitter)[::-1] * _MILLI
         share = np.arange(1, late.size + 1) / late.size
-        ax.plot(late, share, color=colours[name], rasterized=True)
+        look = looks[name]
+        ax.plot(late, share, color=look.colour, ls=look.line, rasterized=True)
     ax.set(yscale="log", ylim=(None, 1), xlim=(0, None))
 
 

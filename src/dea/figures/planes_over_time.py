@@ -165,11 +165,12 @@ def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: PlaneQuantity) -
         return np.asarray(np.diagonal(plane)[known])
 
     for row in range(shown.curves[name]["time_h2"].size):
-        colour = style.THREE[row % len(style.THREE)]
+        look = style.look(row, style.THREE)
         if shown.low:
             low, high = along(shown.low[name], row), along(shown.high[name], row)
-            ax.fill_between(f[known], low, high, color=colour, alpha=_PALENESS, lw=0)
-        ax.plot(f[known], along(shown.curves[name], row), color=colour, lw=0.9)
+            ax.fill_between(f[known], low, high, color=look.colour, alpha=_PALENESS, lw=0)
+        values = along(shown.curves[name], row)
+        ax.plot(f[known], values, color=look.colour, ls=look.line, lw=0.9)
     if shown.from_zero:
         ax.set_ylim(bottom=0.0)
     ax.xaxis.set_major_locator(MaxNLocator(3))
@@ -178,9 +179,10 @@ def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: PlaneQuantity) -
 
 
 def _curve_handles(times: Sequence[str], shown: PlaneQuantity) -> list[Line2D | Patch]:
+    looks = [style.look(row, style.THREE) for row in range(len(times))]
     handles: list[Line2D | Patch] = [
-        Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9, label=f"at {time}")
-        for row, time in enumerate(times)
+        Line2D([], [], color=look.colour, ls=look.line, lw=0.9, label=f"at {time}")
+        for look, time in zip(looks, times, strict=True)
     ]
     if not shown.low:
         handles.append(Line2D([], [], ls="none", label="no band is computed"))

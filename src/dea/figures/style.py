@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from math import floor, log10
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -95,8 +95,31 @@ _NO_DATE: dict[str, dict[str, str | None]] = {
     "pdf": {"CreationDate": None, "Creator": None},
 }
 
+# Of curves beyond those that a colour each tells apart.
+_LINES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (4, 1.5, 1, 1.5)))
+_MARKERS = (".", "^", "s", "D")
+
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+
+class Look(NamedTuple):
+    """How one of several curves is told from the others."""
+
+    colour: str
+    line: Any
+    marker: str
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its colour alone tells it."""
+        return bool(self.line == _LINES[0])
+
+
+def look(number: int, colours: Sequence[str] = CYCLE) -> Look:
+    """Return the look of a curve, counted from 0; where colours come again, the line is another."""
+    again, place = divmod(number, len(colours))
+    return Look(colours[place], _LINES[again % len(_LINES)], _MARKERS[again % len(_MARKERS)])
 
 
 def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
