@@ -20,7 +20,8 @@ def scores(request, tmp_path):
 
 
 def test_the_figures_are_drawn_the_same_each_time(scores, tmp_path):
-    settings = {"resolution": 50, "figures": {name: {} for name in FIGURES}}
+    options = {name: {} for name in FIGURES} | {"trials_gap": {"clean": 1.15}}
+    settings = {"resolution": 50, "figures": options}
     drawn = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         paths = {kind: [folder / f"{name}.{kind}" for name in FIGURES] for kind in ("png", "pdf")}

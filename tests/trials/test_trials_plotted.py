@@ -39,7 +39,7 @@ def test_the_confusion_counts_what_was_hidden_in_rows_and_said_in_columns(scores
 
 
 def test_the_errors_are_in_noise_floors_before_along_x_and_after_along_y(scores):
-    ax = trials_gap(scores).axes[0]
+    ax = trials_gap(scores, 1.3).axes[0]
     floor = scores["noise_floor"]
     shown = 0
     for outcome, colour in COLOURS.items():
@@ -58,6 +58,8 @@ def test_the_errors_are_in_noise_floors_before_along_x_and_after_along_y(scores)
             )
             shown += line.get_xdata().size
     assert shown == 60
+    dashed = [line for line in ax.lines if line.get_linestyle() == "--"]
+    assert [list(line.get_ydata()) for line in dashed] == [[1.3, 1.3]]
 
 
 def test_the_curve_of_risk_and_the_point_of_the_verdicts(scores):

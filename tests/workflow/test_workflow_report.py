@@ -3,6 +3,8 @@
 import re
 import shutil
 import subprocess
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 
 import pytest
@@ -130,6 +132,25 @@ def test_every_caption_is_filled_in(room, monkeypatch):
         filled = page._caption(room, file.stem, "dea3")
         assert filled.startswith("<p>"), file
         assert "{" not in filled, file
+
+
+@pytest.mark.parametrize(
+    ("caption", "keys"),
+    [
+        ("figures/confirmation", ["excitation.probing.times"]),
+        ("figures/trials_gap", ["discrepancy.rules.clean"]),
+        ("tables/confirmation", ["excitation.probing.times"]),
+        ("tables/forecast", ["forecast.every", "forecast.window"]),
+        ("tables/recovery", ["recovery.noise"]),
+        ("tables/tracking", ["tracking.frozen_window"]),
+    ],
+)
+def test_a_caption_names_the_keys_whose_values_may_be_others(caption, keys):
+    text = (ROOT / f"workflow/report/{caption}.rst").read_text()
+    assert re.findall(r"``([a-z_]+(?:\.[a-z_]+)+)``", text) == keys
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+    for key in keys:
+        assert reduce(getitem, key.split("."), config)
 
 
 @pytest.mark.parametrize("room", ["figures", "tables"])

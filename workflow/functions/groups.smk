@@ -2,6 +2,8 @@
 # the files are read once for all its members.
 import re
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 
 import yaml
 
@@ -79,9 +81,12 @@ def filled(room, groups):
 
 def figure_settings(group):
     """The resolution, and each figure of a group with the settings that it alone needs, as JSON."""
-    section = config["figures"]
     options = {
-        name: {key: section[key] for key in entry.get("settings", [])}
+        name: {
+            key.rpartition(".")[2]: reduce(getitem, key.split("."), config)
+            for key in entry.get("settings", [])
+        }
         for name, entry in group.members.items()
     }
-    return json.dumps({"resolution": section["resolution"], "figures": options})
+    resolution = config["figures"]["resolution"]
+    return json.dumps({"resolution": resolution, "figures": options})

@@ -16,17 +16,24 @@ COLOURS = {
     "wrong name": style.VERMILION,
     "right none": style.BLACK,
 }
-_CLOSED = 1.15  # noise floors, below which the simulation counts as complete
 
 
-def draw(sources: Sources) -> Figure:
-    """Draw it from ``scores.nc`` of a set of trials."""
-    return trials_gap(sources.dataset("scores"))
+def draw(sources: Sources, clean: float) -> Figure:
+    """Draw it from ``scores.nc`` of a set of trials; ``clean`` is that of the verdicts' rules."""
+    return trials_gap(sources.dataset("scores"), clean)
 
 
 @style.styled
-def trials_gap(scores: xr.Dataset) -> Figure:
-    """Draw certified errors after against before, in noise floors (contract ``scores``)."""
+def trials_gap(scores: xr.Dataset, clean: float) -> Figure:
+    """Draw certified errors after against before, in noise floors.
+
+    Parameters
+    ----------
+    scores
+        Contract ``scores``.
+    clean
+        Noise floors up to which a simulation counts as complete.
+    """
     figure = style.page_figure(style.SINGLE_COLUMN, 92)
     ax = figure.subplots()
     before = (scores["error_before"] / scores["noise_floor"]).values
@@ -41,7 +48,7 @@ def trials_gap(scores: xr.Dataset) -> Figure:
     ends = np.array([0.8, 1.2 * np.max([before.max(), after.max(), 2.0])])
     ax.plot(ends, ends, color=style.GREY, lw=0.6, ls=":")
     ax.axhline(1.0, color=style.GREY, lw=0.6)
-    ax.axhline(_CLOSED, color=style.GREY, lw=0.6, ls="--")
+    ax.axhline(clean, color=style.GREY, lw=0.6, ls="--")
     ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
     ax.set(
         xlabel="certified error of the nominal simulation\n(noise floors)",
