@@ -29,6 +29,18 @@ def recorded(wildcards, excitation):
     return folder / archive.MANIFEST
 
 
+def of_virtual(*unread):
+    """How a virtual actuator is driven. Nobody arms it, and its clock is not compared."""
+    others = {"armed_by", "clock_tolerance", *unread}
+    return {
+        key: value for key, value in config["acquisition"].items() if key not in others
+    }
+
+
+# Where a sequence is played, from the device's own buffer no sample is late.
+PLAYED = of_virtual(*["late_after"] * (config["acquisition"]["mode"] == "buffered"))
+
+
 def acquisition_settings(excitation):
     """The settings of the job that plays ``excitation``, as JSON."""
 
@@ -37,7 +49,7 @@ def acquisition_settings(excitation):
             "seed": config["seed"],
             "system": wildcards.actuator,
             "excitation_name": excitation,
-            "acquisition": config["acquisition"],
+            "acquisition": PLAYED,
         } | sections(config["excitation"], excitation)
         leaves["bench"] = bench_settings(wildcards.actuator)
         return json.dumps(leaves, sort_keys=True)
@@ -50,7 +62,8 @@ def control_settings(wildcards):
     leaves = {
         "seed": config["seed"],
         "system": wildcards.actuator,
-        "acquisition": config["acquisition"],
+        # Controllers are polled and what is played is buffered, whatever the mode.
+        "acquisition": of_virtual("mode"),
         "bench": bench_settings(wildcards.actuator),
         "control": config["control"],
     }

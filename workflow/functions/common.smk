@@ -59,10 +59,11 @@ def of_every_actuator(pattern):
     return expand(pattern, actuator=ACTUATORS)
 
 
-def settings(*sections, **own_leaves):
-    """The seed, the system's name and these sections of the config, as JSON for a stage.
+def settings(*keys):
+    """The seed, the system's name and these keys of the config, as JSON for a stage.
 
-    A case has its own sections; ``own_leaves`` are the job's.
+    A key is a section, or one of its own, as `gfrf.tracker`, so that an edit of another one does
+    not rerun the job; an optional one that is not given is left out. A case has its own sections.
     """
 
     def resolve(wildcards):
@@ -75,10 +76,14 @@ def settings(*sections, **own_leaves):
             None,
         )
         own = config | CASE.get(name, {})
-        leaves = {section: own[section] for section in sections}
+        leaves = {}
+        for section, _, key in (each.partition(".") for each in keys):
+            if not key:
+                leaves[section] = own[section]
+            elif key in own[section]:
+                leaves.setdefault(section, {})[key] = own[section][key]
         return json.dumps(
-            {"seed": config["seed"], "system": name} | leaves | own_leaves,
-            sort_keys=True,
+            {"seed": config["seed"], "system": name} | leaves, sort_keys=True
         )
 
     return resolve

@@ -1,3 +1,9 @@
+# How records are diagnosed; each names its simulation.
+DIAGNOSIS = {
+    key: value for key, value in config["discrepancy"].items() if key != "simulation"
+}
+
+
 def test_records(wildcards):
     """Records of the same system under another excitation."""
     if wildcards.system in ACTUATORS:
@@ -40,7 +46,7 @@ def discrepancy_settings(wildcards):
             "system": wildcards.system,
             "simulation": simulation_named(wildcards.system),
             "split": CASE.get(wildcards.system, {}).get("split", {}),
-            "discrepancy": config["discrepancy"],
+            "discrepancy": DIAGNOSIS,
         },
         sort_keys=True,
     )

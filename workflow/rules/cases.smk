@@ -15,7 +15,7 @@ rule score_tests:
     benchmark:
         "results/{case}/benchmark/score_tests.tsv"
     params:
-        settings=settings("identification"),
+        settings=settings(*STRETCH),
     shell:
         stage(
             "score_tests --settings {params.settings:q} --model {input.model:q}"

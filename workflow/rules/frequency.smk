@@ -36,7 +36,7 @@ rule confirm:
     benchmark:
         "results/{actuator}/benchmark/confirm.tsv"
     params:
-        settings=settings("gfrf"),
+        settings=settings("gfrf.tracker"),
     shell:
         stage(
             "confirm --settings {params.settings:q} --probed {input.probed:q}"

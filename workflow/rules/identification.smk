@@ -1,3 +1,6 @@
+include: "../functions/identification.smk"
+
+
 # One system's models: which orders, which terms, and how they hold on unseen windows.
 rule orders:
     input:
@@ -10,7 +13,13 @@ rule orders:
     benchmark:
         "results/{system}/benchmark/orders.tsv"
     params:
-        settings=settings("identification", "orders"),
+        # The figure marks the degree that was chosen.
+        settings=settings(
+            *STRETCH,
+            "identification.degree",
+            "identification.even_in_input",
+            "orders",
+        ),
     shell:
         stage(
             "orders --record {input.record:q} --settings {params.settings:q}"
@@ -51,7 +60,7 @@ rule select_common:
     benchmark:
         "results/benchmark/select_common.tsv"
     params:
-        settings=settings("identification", "orders"),
+        settings=settings(*SELECTION, "orders.start", "orders.length"),
     shell:
         stage(
             "select_common --records {input.records:q} --models {input.models:q}"
@@ -71,7 +80,7 @@ rule validate:
     benchmark:
         "results/{system}/benchmark/validate.tsv"
     params:
-        settings=settings("identification", "validation"),
+        settings=settings(*STRETCH, "validation"),
     shell:
         stage(
             "validate --record {input.record:q} --model {input.model:q}"

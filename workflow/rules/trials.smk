@@ -66,7 +66,7 @@ rule trial_acquire:
     params:
         settings=json.dumps(
             {
-                "acquisition": config["acquisition"],
+                "acquisition": PLAYED,
                 "watchdog_time": config["bench"]["watchdog_time"],
                 "bench": BENCH_OF_TRIALS,
             },
@@ -117,7 +117,7 @@ rule trial_diagnose:
         "results/trials/{set}/{first}-{last}/benchmark/diagnose.tsv"
     params:
         settings=json.dumps(
-            {"seed": config["seed"], "discrepancy": config["discrepancy"]},
+            {"seed": config["seed"], "discrepancy": DIAGNOSIS},
             sort_keys=True,
         ),
     shell:
