@@ -106,8 +106,7 @@ def staircase(
     not. Every level occurs once before any occurs again.
     """
     _require(1 <= levels <= span.samples, "levels", f"is not between 1 and {span.samples}")
-    for name, time in (("hold", hold), ("rest", rest)):
-        _require(rise <= time or time <= 0.0, "rise", f"is longer than {name}, {time:g} s")
+    _require(rise <= span.duration, "rise", f"is longer than the {span.duration:g} s of all")
     held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
     rounds = -(-span.samples // (levels * (held + rested)))
