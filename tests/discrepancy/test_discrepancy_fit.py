@@ -178,6 +178,52 @@ def test_where_a_slow_residual_is_concentrated_cannot_be_told():
     assert "(RMS) changes too slowly for the record to say where it is" in where_sentence(found)
 
 
+@pytest.mark.parametrize(
+    ("missing", "along"),
+    [
+        (lambda u, v: np.maximum(u - 0.5, 0.0), {"input", "output"}),
+        (lambda u, v: np.where(u < -0.6, 1.0, 0.0), {"input", "output"}),
+        (lambda u, v: np.maximum(np.abs(v) - np.std(v), 0.0), {"output_rate", "reversal"}),
+    ],
+    ids=["limit", "threshold", "fast motion"],
+)
+def test_a_residual_that_follows_the_input_slowly_is_found(missing, along):
+    """A held input, and a lag of 30 samples, by which the residual is as slow as the output."""
+    found = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        u = np.repeat(rng.uniform(-1, 1, 50), 60)
+        simulated = lfilter([1 / 30], [1.0, -29 / 30], u)
+        raw = missing(u, np.gradient(simulated))
+        gap = lfilter([1 / 30], [1.0, -29 / 30], raw / np.std(raw))
+        gap += 0.02 * rng.standard_normal(3000)
+        found.append(located(u, simulated + gap, gap, rng))
+    # Blocks of eight memories are too few in nearly all of these records.
+    assert sum(each.told for each in found) <= 2
+    assert sum(each.strongest in along for each in found) >= 8
+
+
+def test_what_a_slow_residual_leaves_unsaid_is_its_place_in_time():
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.uniform(-1, 1, 50), 60)
+    gap = lfilter([1 / 30], [1.0, -29 / 30], np.maximum(u - 0.5, 0.0))
+    found = located(u, u + gap, gap, rng)
+    assert np.isnan(found.dataset["time_null"]).all()
+    assert np.isnan(found.dataset["time_probability"])
+    assert np.isfinite(found.dataset["input_null"]).all()
+    assert found.strongest == "input"
+    assert "where the input is between" in where_sentence(found)
+
+
+def test_a_residual_that_never_forgets_is_found_nowhere():
+    """Less than twenty memories are fewer independent shifts than a level of 5 % takes."""
+    gap = np.linspace(1.0, 2.0, 3000)
+    rng = np.random.default_rng(4)
+    found = located(smooth(rng), smooth(rng) + gap, gap, rng)
+    assert (found.told, found.strongest) == (False, None)
+    assert np.isnan(found.dataset["input_probability"])
+
+
 def test_a_periodic_residual_is_found_where_it_is_largest():
     """Its autocorrelation never ends, but its energy comes and goes within half a period."""
     rng = np.random.default_rng(8)

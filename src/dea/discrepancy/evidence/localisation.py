@@ -1,6 +1,6 @@
 """Where the residual is concentrated, compared with what chance would make of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -65,7 +65,8 @@ class Localisation:
     rms
         RMS residual over all samples, in ``unit``.
     told
-        Whether the residual forgets fast enough for the record to say what chance would make of it.
+        Whether the residual forgets fast enough for the record to say what chance would make of it
+        along every quantity, time too.
     """
 
     dataset: xr.Dataset
@@ -130,7 +131,9 @@ def localise(
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
     the largest standardised bin over all quantities (max statistic). Where the energy remembers so
-    long that too few blocks are left, nothing is said, and what chance makes of it is missing.
+    long that too few blocks are left, it is shifted as a whole; along time, where shifts tell
+    nothing, what chance makes of it is then missing. Where it remembers for too much of the record
+    for shifts as well, nothing is said.
     """
     where = np.flatnonzero(samples & np.isfinite(residual))
     energy = residual[where] ** 2
@@ -143,13 +146,12 @@ def localise(
         quantities[name] = _Binned(quantity, edges, label)
     measured = {name: _mean(energy, q.label, q.bins) for name, q in quantities.items()}
     null = {name: np.full((_DRAWS, q.bins), np.nan) for name, q in quantities.items()}
-    length = max(8, where.size // 150, int(_MEMORIES * _memory(residual[where])))
-    told = where.size >= _FEWEST * length
-    for draw in range(_DRAWS if told else 0):
-        shuffled = _shuffle(energy, length, rng)
+    chance, told = _chance(energy, _memory(residual[where]), rng)
+    for draw, drawn in enumerate(chance):
         for name, q in quantities.items():
-            null[name][draw] = _mean(shuffled, q.label, q.bins)
-    probability = _probability(measured, null) if told else dict.fromkeys(measured, np.nan)
+            if told or name != "time":
+                null[name][draw] = _mean(drawn, q.label, q.bins)
+    probability = _probability(measured, null)
     rms = {name: np.sqrt(mean) for name, mean in measured.items()}
     found = [name for name in measured if probability[name] <= _LEVEL]
     strongest = max(found, key=lambda name: float(measured[name].max())) if found else None
@@ -174,8 +176,11 @@ def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -
         # The measured one counts as a draw, lest it be farther out than each by construction.
         drawn = np.vstack([mean, null[name]])
         scores[name] = np.max((drawn - drawn.mean(0)) / (drawn.std(0) + 1e-300), axis=1)
-    largest = np.max(list(scores.values()), axis=0)
-    return {name: float(np.mean(largest >= score[0])) for name, score in scores.items()}
+    largest = np.fmax.reduce(list(scores.values()))
+    return {
+        name: float(np.mean(largest >= score[0])) if np.isfinite(score[0]) else np.nan
+        for name, score in scores.items()
+    }
 
 
 def _concentration(name: str, binned: _Binned, rms: np.ndarray) -> Concentration:
@@ -321,10 +326,35 @@ def _integral_time(signal: np.ndarray, power: int) -> float:
     return max(float(times[ends[0]]), 1.0) if ends.size else np.inf
 
 
-def _shuffle(energy: np.ndarray, length: int, rng: np.random.Generator) -> np.ndarray:
-    rolled = np.roll(energy, int(rng.integers(energy.size)))
-    blocks = [rolled[i : i + length] for i in range(0, energy.size, length)]
-    return np.concatenate([blocks[i] for i in rng.permutation(len(blocks))])
+def _chance(
+    energy: np.ndarray, memory: float, rng: np.random.Generator
+) -> tuple[Iterator[np.ndarray], bool]:
+    """Return what chance makes of the energy, if that can be drawn, and whether along time too."""
+    length = max(8, energy.size // 150, int(_MEMORIES * memory))
+    if energy.size >= _FEWEST * length:
+        return _shuffled(energy, length, rng), True
+    # Fewer memories are fewer independent shifts than a level has to be learned from.
+    enough = memory <= _LEVEL * energy.size
+    return _shifted(energy, rng) if enough else iter(()), False
+
+
+def _shuffled(energy: np.ndarray, length: int, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Draw the energy in another order of its blocks, which begin anywhere."""
+    for _ in range(_DRAWS):
+        rolled = np.roll(energy, int(rng.integers(energy.size)))
+        blocks = [rolled[i : i + length] for i in range(0, energy.size, length)]
+        yield np.concatenate([blocks[i] for i in rng.permutation(len(blocks))])
+
+
+def _shifted(energy: np.ndarray, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Draw the energy at other times, as if the record were a circle.
+
+    Of an energy that is independent of a stationary quantity all shifts are as likely as none,
+    however long both remember (Harris 2020, arXiv:2012.06862). That holds only if the shortest ones
+    count, too, after which the energy still follows itself.
+    """
+    for place in (np.arange(_DRAWS) + rng.random()) / _DRAWS:
+        yield np.roll(energy, int(place * energy.size))
 
 
 def _band(residual: np.ndarray, interval: float) -> Band:
