@@ -1,5 +1,6 @@
 """Priors, bounds and scales, and the step of integration that a record needs."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,8 +10,11 @@ import pytest
 from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,
+    ForcePort,
     Parameter,
     Scales,
+    Simulation,
+    State,
     catalogue,
     load_simulation,
     measured_scales,
@@ -186,6 +190,55 @@ def test_steps_are_refined_until_the_output_keeps_within_the_tolerance():
         before = fine.substeps
     assert before > 2
     assert with_fine_steps(coarse, values, u, 40.0, 1e-12, most=4).substeps == 4
+
+
+def pendulum(torque):
+    """A pendulum, the torque on it at samples of 20 ms, and its finest simulation."""
+
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = -p[0] * math.sin(x[0]) - p[1] * x[1] + p[2] * u
+
+    def output(x, u, p):
+        return x[0]
+
+    own = Simulation(
+        name="pendulum",
+        input_unit="1/s^2",
+        output_unit="rad",
+        states=(State("angle", "rad", 0.0, 0.02), State("rate", "rad/s", 0.0, 0.05)),
+        parameters=(
+            Parameter("gravity", "1/s^2", 38.0, 0.1, 1.0, 1e3, log=True),
+            Parameter("damping", "1/s", 0.3, 0.7, 0.01, 10.0, log=True),
+            Parameter("gain", "1", 1.0, 0.2, 0.1, 1e3, log=True),
+        ),
+        derivative=derivative,
+        output=output,
+        drive="gain",
+        force_ports=(ForcePort(equation="rate", position="angle", velocity="rate"),),
+    )
+    extended = ExtendedSimulation(own, substeps=256)
+    y = extended.simulate(extended.values(np.zeros(extended.free.size)), torque, DT)
+    return own, y
+
+
+def test_a_motion_that_no_step_settles_gets_the_steps_of_its_settled_part():
+    """Driven ever harder, it swings over the top, where the step decides to which side it falls."""
+    time = np.arange(1500) * DT
+    torque = (4.0 + 2.0 * time) * np.sin(4.0 * time)
+    own, exact = pendulum(torque)
+    assert np.abs(exact).max() > 2 * np.pi
+    found = prepared(own, torque, DT, 1e-3)
+    assert 1 < found.substeps <= 32
+    below = slice(0, int(np.argmax(np.abs(exact) > 2.0)))
+    y = found.simulate(found.values(np.zeros(found.free.size)), torque, DT)
+    assert np.sqrt(np.mean((y - exact)[below] ** 2)) < 3e-3
+
+
+def test_a_motion_that_finer_steps_settle_gets_the_finest_where_none_suffices():
+    torque = 4.0 * np.sin(5.5 * T)
+    own, _ = pendulum(torque)
+    assert prepared(own, torque, DT, 1e-9).substeps == 256
 
 
 def test_a_linear_simulation_needs_one_step():
