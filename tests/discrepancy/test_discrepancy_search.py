@@ -208,6 +208,38 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
     assert judged_again.candidates[0].finished == leaks
 
 
+@pytest.mark.parametrize("threshold", [True, False])
+def test_a_power_of_the_input_does_not_bear_the_name_of_a_threshold(threshold):
+    """A heater's power goes with the square of its voltage, from zero on."""
+    problem, extended = hidden(*["dead_zone"] * threshold)
+    if not threshold:
+        own = extended.values(np.zeros(extended.free.size))
+        squared = problem.u * np.abs(problem.u) / 2.0
+        noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
+        problem = replace(problem, y=extended.simulate(own, squared, INTERVAL) + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    alone = extend_by_each(problem, [nominal], [catalogue()["dead_zone"]], Budget(), 1)
+    assert alone.candidates[0].finished
+    assert alone.candidates[0].rmse < 1.2 * NOISE
+    [judged_again] = unfinish_degenerate(problem, [alone], Rules(), NOISE, 1)
+    assert judged_again.candidates[0].finished == threshold
+
+
+@pytest.mark.parametrize("relaxes", [True, False])
+def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
+    problem, extended = hidden("dead_zone", *["stress_relaxation"] * relaxes)
+    if not relaxes:
+        late = (problem.time / 10.0) ** 0.8
+        problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
+    fitted = fit(problem, extended, np.zeros(extended.free.size))
+    for name in ("dead_zone", "stress_relaxation"):
+        found = extend_by_each(problem, [fitted], [catalogue()[name]], Budget(), 1)
+        fitted = found.candidates[0].fit
+    assert found.candidates[0].rmse < 1.5 * NOISE
+    [judged_again] = unfinish_degenerate(problem, [found], Rules(), NOISE, 1)
+    assert judged_again.candidates[0].finished == relaxes
+
+
 def test_two_effects_are_found_beside_laws_that_pass_for_them():
     problem, extended = hidden("dead_zone", "sensor_lag")
     nominal = fit(problem, extended, np.zeros(extended.free.size))

@@ -1,6 +1,6 @@
 """Candidates that are not what their names say.
 
-Either they fit as well with their essential parameter at its bound, or the limit of the reading
+Either they fit as well with an essential parameter at its bound, or the limit of the reading
 that they hold is not reached and a curve does as well.
 """
 
@@ -14,12 +14,13 @@ from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.rounds import Round
 from dea.simulation import Family, Port, law_courses
 
-# Steps of the fit with the essential parameter at its bound.
-_STEPS = 8
+# Steps of the fit with the essential parameter at its bound. What is left of a threshold of half
+# the range is a power, which takes a dozen.
+_STEPS = 20
 # Slope at both ends of the readings, as a part of the largest, above which no limit is reached, and
 # the pieces of their range that it is taken from.
 _GENTLE, _PIECES = 0.6, 20
@@ -30,24 +31,21 @@ def unfinish_degenerate(
 ) -> list[Round]:
     """Return the rounds with such candidates, of the leading ones, marked as unfinished.
 
-    A law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
-    its lower bound. A candidate that explains the record as well there counts as unfinished.
+    Each law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
+    its lower bound. A candidate that explains the record as well there, or less by no more than its
+    greater freedom is charged for, counts as unfinished.
     """
     finished = [c for each in rounds for c in each.candidates if c.finished]
     limit = rules.near * min((c.error for c in finished), default=0.0)
     leading = [c for c in finished if c.error <= limit]
     doubtful = [c for c in leading if any(a.effect.essential for a in c.fit.extended.attached)]
-    errors = in_parallel(
-        lambda c: _error_at_limit(problem, c.fit),
+    degenerate = in_parallel(
+        lambda c: _is_degenerate(problem, c, rules, floor),
         doubtful,
         workers,
         "leading effects at their limits",
     )
-    fallen = {
-        id(c)
-        for c, error in zip(doubtful, errors, strict=True)
-        if rules.as_good(error, c.rmse, floor)
-    }
+    fallen = {id(c) for c, found in zip(doubtful, degenerate, strict=True) if found}
     leading = [c for c in leading if id(c) not in fallen]
     curves = [(c, found) for c in leading if (found := _on_output(c, Family.CURVE))]
     for c in leading:
@@ -97,10 +95,28 @@ def _bends_gently(problem: Problem, found: Fit, index: int) -> bool:
     return bool(min(slopes[0], slopes[-1]) > _GENTLE * slopes.max())
 
 
-def _error_at_limit(problem: Problem, found: Fit) -> float:
-    """Return what is left where each law is the one without its essential parameter."""
-    extended = found.extended
-    attached = tuple(replace(each, effect=each.effect.at_limit()) for each in extended.attached)
-    limit = replace(extended, attached=attached)
+def _is_degenerate(problem: Problem, candidate: Candidate, rules: Rules, floor: float) -> bool:
+    """Return whether one of the laws explains as much without its essential parameter."""
+    for index, attached in enumerate(candidate.fit.extended.attached):
+        if attached.effect.essential:
+            limit = judged(problem, _without_essential(problem, candidate.fit, index))
+            if limit.error <= candidate.error or rules.as_good(limit.rmse, candidate.rmse, floor):
+                return True
+    return False
+
+
+def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
+    """Return a fit in which the law of that number is the one without its essential parameter.
+
+    Where the simulation runs away with what else was found, the law starts from its prior means:
+    without its threshold an input may drive a film beyond its pull-in.
+    """
+    attached = list(found.extended.attached)
+    law = attached[index] = replace(attached[index], effect=attached[index].effect.at_limit())
+    limit = replace(found.extended, attached=tuple(attached))
     again = fit(problem, limit, limit.coordinates(found.values), iterations=_STEPS)
-    return problem.seen_rmse(again.residual)
+    if not again.stable:
+        values = found.values.copy()
+        values[limit.effect_slices[index]] = [parameter.nominal for parameter in law.parameters]
+        again = fit(problem, limit, limit.coordinates(values), iterations=_STEPS)
+    return again

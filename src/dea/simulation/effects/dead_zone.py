@@ -18,6 +18,8 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """
     threshold, width, gate, ratio, slope = q[0], q[1], q[2], q[3], q[4]
     exponent, bend, jump, peak, drop = q[5], q[6], q[7], q[8], q[9]
+    if threshold == 0.0:
+        width = 0.0  # without a threshold a corner would be a jump at zero
     result = np.empty(u.size)
     overcome = 0.0
     for k in range(u.size):
@@ -82,4 +84,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    essential="threshold",
 )
