@@ -32,7 +32,16 @@ from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
-from dea.simulation import Port, catalogue, load_simulation, measured_scales, prepared
+from dea.simulation import (
+    ForcePort,
+    Parameter,
+    Port,
+    State,
+    catalogue,
+    load_simulation,
+    measured_scales,
+    prepared,
+)
 
 INTERVAL, NOISE = 0.02, 0.002
 SPRING = load_simulation("mass_spring_damper")
@@ -1181,6 +1190,58 @@ def test_an_effect_that_was_screened_and_is_fitted_again_counts_once_as_it_was_f
     assert [(c.labels[0], c.finished, c.error) for c in found] == [
         ("a", True, 2.0), ("b", True, 2.5), ("c", False, 4.0),
     ]  # fmt: skip
+
+
+def test_a_load_on_an_elastic_shaft_is_found_behind_a_drive_that_nothing_pulls_back():
+    """Its own motion shows in the drive's speed, and its place is unknown."""
+    shaft = replace(
+        SPRING, name="shaft", output_unit="rad/s", drive="gain", output_offset_spread=0.0,
+        states=(State("angle", "rad", 0.0), State("speed", "rad/s", 0.0, 0.5)),
+        parameters=(
+            Parameter("gain", "1/kg m^2", 50.0, 0.2, 1.0, 1e3, log=True),
+            Parameter("friction", "1/s", 2.5, 0.2, 0.05, 50.0, log=True),
+        ),
+        derivative=_shaft, output=_speed, input_interpolation="zero",
+        force_ports=(ForcePort(equation="speed", position="angle", velocity="speed"),),
+    )  # fmt: skip
+    interval, parts, noise = 0.005, 20, 0.03
+    rng = np.random.default_rng(22)
+    u = np.repeat(rng.uniform(-1, 1, 60), 25)
+    turning, twist, load, y = 0.0, 0.0, 0.0, np.empty(u.size)
+    for k in range(u.size):
+        y[k] = turning
+        for _ in range(parts):
+            torque = 12.0 * twist + 0.012 * (turning - load)
+            turning, twist, load = (
+                turning + interval / parts * (u[k] - 0.05 * turning - torque) / 0.02,
+                twist + interval / parts * (turning - load),
+                load + interval / parts * (torque - 0.05 * load) / 0.015,
+            )
+    y += noise * rng.standard_normal(y.size)
+    extended = prepared(shaft, u, interval, 1e-3)
+    roles = split(u, interval, 0.1)
+    problem = Problem(
+        u, y, interval, roles.fit, roles.select, roles.certify, noise, 1e-3, extended.substeps
+    )
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    [found] = extend_by_each(
+        problem, [nominal], [catalogue()["second_mode"]], Budget(), 1
+    ).candidates
+    law = dict(zip(found.fit.extended.names, found.fit.values, strict=True))
+    assert found.rmse < 1.3 * noise < 0.3 * problem.seen_rmse(nominal.residual)
+    assert law["second_mode.coupling"] == pytest.approx(0.75, rel=0.1)
+    assert law["second_mode.frequency"] == pytest.approx(
+        np.sqrt(12.0 / 0.015) / 2 / np.pi, rel=0.05
+    )
+
+
+def _shaft(x, u, p, dx):
+    dx[0] = x[1]
+    dx[1] = p[0] * u - p[1] * x[1]
+
+
+def _speed(x, u, p):
+    return x[1]
 
 
 @pytest.mark.parametrize("limited", [True, False])

@@ -139,7 +139,7 @@ def test_half_the_step_leaves_a_quarter_of_the_error_of_a_second_mass(grounded, 
         output=lambda x, u, p: x[0], drive="gain", input_interpolation="linear",
         force_ports=(ForcePort("velocity", "position", "velocity"),),
     )  # fmt: skip
-    law = [coupling, 4.0, damping, 0.0, hardening, grounded, side]
+    law = [coupling, 4.0, damping, 0.0, hardening, grounded, side, 0.0]
 
     def slope(t, x, unit):
         z, w, a, v = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale, x[2], x[3]

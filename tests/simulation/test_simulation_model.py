@@ -500,7 +500,7 @@ def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
     extended = extended.attach(catalogue()["second_mode"], scales)
     unit = extended.normalisations[0]
     coupling, own_omega, damping = 0.6, 2 * pi * 1.3, 0.1
-    law = [coupling, 1.3, damping, 0.0, 0.0, 0.0, 0.0]
+    law = [coupling, 1.3, damping, 0.0, 0.0, 0.0, 0.0, 0.0]
 
     def slope(_, x, v):
         z, w = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale
@@ -514,6 +514,44 @@ def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
         x = solve_ivp(slope, (0, DT), x, args=(v,), rtol=1e-9, atol=1e-12).y[:, -1]
     found = extended.simulate(np.concatenate([values, law]), u, DT)
     np.testing.assert_allclose(found, expected, atol=2e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.4])
+def test_a_second_mass_on_a_drive_that_nothing_pulls_back_is_coupled_by_its_inertia(apart):
+    """The drive turns already, far from zero, and so does what is coupled to it."""
+    own = load_simulation("mass_spring_damper")
+    inertia, loss, ratio, omega, damping = 0.02, 2.5, 0.75, 2 * pi * 1.3, 0.1
+
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = u / inertia - loss * x[1]
+
+    simulation = replace(
+        own, name="drive", states=(State("angle", "V", 7.0), State("speed", "V/s", 5.0)),
+        parameters=(own.parameters[2],), derivative=derivative,
+        output=lambda x, u, p: x[1], input_interpolation="zero",
+        force_ports=(ForcePort("speed", "angle", "speed"),),
+    )  # fmt: skip
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, T.size // 25 + 1), 25)[: T.size]
+    extended = replace(prepared(simulation, u, DT, 1e-5), substeps=32)
+    values = extended.values(np.zeros(extended.free.size))
+    scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
+    extended = extended.attach(catalogue()["second_mode"], scales)
+    law = {p.name: p.nominal for p in catalogue()["second_mode"].parameters(scales)}
+    law |= {"coupling": ratio, "frequency": omega / 2 / pi, "damping_ratio": damping}
+    [unit] = extended.normalisations
+    law["start_position"] = apart * unit.inertia * omega**2 / unit.scale
+
+    def slope(_, x, v):
+        pull = omega**2 * (x[0] - x[2]) + 2.0 * damping * omega * (x[1] - x[3])
+        return [x[1], v / inertia - loss * x[1] - ratio * pull, x[3], pull]
+
+    x, expected = np.array([7.0, 5.0, 7.0 + apart, 5.0]), []
+    for v in u:
+        expected.append(x[1])
+        x = solve_ivp(slope, (0, DT), x, args=(v,), rtol=1e-9, atol=1e-12).y[:, -1]
+    found = extended.simulate(np.concatenate([values, list(law.values())]), u, DT)
+    np.testing.assert_allclose(found, expected, atol=3e-3 * np.ptp(expected))
 
 
 @pytest.mark.parametrize(

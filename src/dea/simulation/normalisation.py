@@ -10,8 +10,11 @@ class Normalisation:
     Position ``rest`` and excursion ``scale`` in the position's unit; ``unit_force``, the change
     of the state equation per unit of force, equals the elastic force at the excursion or, where
     there is none, the force of the input's whole range. It is times the port's divisor, if any.
+    ``inertia`` is then the unit of force over the acceleration of the normalised position that it
+    causes (s^2), and zero where an elastic force is the unit.
     """
 
     rest: float = 0.0
     scale: float = 1.0
     unit_force: float = 0.0
+    inertia: float = 0.0

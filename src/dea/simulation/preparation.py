@@ -153,6 +153,7 @@ def measured_scales(
     own = extended.simulation
     z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
     placed = not own.force_ports or own.force_ports[force_port].position is not None
+    frames = extended.normalisations
     u = by_input(record.u)[at_input]
     rate = np.abs(np.diff(u)) / record.interval
     return Scales(
@@ -169,6 +170,7 @@ def measured_scales(
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
         smooth=extended.input_interpolation == "smooth",
         placed=placed,
+        inertia=frames[force_port].inertia if frames else 0.0,
     )
 
 
@@ -261,10 +263,14 @@ def _normalisation(
         own.compiled_derivative(x, least, p, low)
         own.compiled_derivative(x, most, p, high)
         driven += abs(high[equation] - low[equation])
-    unit_force = elastic if elastic > _SLACK * driven else driven
+    held = elastic > _SLACK * driven
+    unit_force = elastic if held else driven
+    inertia = 0.0 if held or driven == 0.0 else excursion / driven
+    if port.equation == port.position:
+        inertia *= inertia  # without a mass a force gives a speed
     if port.divisor is not None:
         unit_force *= p[own.parameter_names.index(port.divisor)]
-    return Normalisation(port.rest, excursion, unit_force)
+    return Normalisation(port.rest, excursion, unit_force, inertia)
 
 
 def _each_over_its_range(u: np.ndarray) -> Iterator[tuple[Any, Any]]:

@@ -12,7 +12,9 @@ class Scales:
     residual, ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an
     input which repeats does not have, and ``jumps`` the instants at which it changes (s). An
     input is ``smooth`` if it is band-limited, and not held, between samples. A force balance is
-    ``placed`` if a state is its position, and not a rate alone.
+    ``placed`` if a state is its position, and not a rate alone. Its ``inertia`` (s^2) is the unit
+    of force over the acceleration of ``z`` that this causes, and zero where an elastic force holds
+    the place.
     """
 
     u_unit: str
@@ -31,6 +33,7 @@ class Scales:
     jumps: tuple[float, ...] = ()
     smooth: bool = False
     placed: bool = True
+    inertia: float = 0.0
 
     @property
     def u_span(self) -> float:

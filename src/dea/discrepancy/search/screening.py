@@ -61,8 +61,13 @@ class Offer:
         if base.motions and not self.effect.on_input:
             low, high = base.motions[self.place]
             port = base.fit.extended.simulation.force_ports[self.place]
-            placed = port.position is not None
-            scales = replace(scales, z_low=low, z_high=high, placed=placed)
+            scales = replace(
+                scales,
+                z_low=low,
+                z_high=high,
+                placed=port.position is not None,
+                inertia=base.fit.extended.normalisations[self.place].inertia,
+            )
         return base.fit.extended.attach(self.effect, scales, self.place, self.upstream)
 
 
