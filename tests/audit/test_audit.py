@@ -515,7 +515,11 @@ def test_products_come_after_those_that_their_jobs_read_beside_their_inputs(stud
 
 def test_a_job_that_read_what_was_made_from_its_own_product_is_in_the_order(study, monkeypatch):
     make_reading(monkeypatch, "results/a/record.nc", "results/tables/table1.csv")
-    assert sorted(in_order(collect())) == sorted(JOBS)
+    manifest = collect()
+    assert sorted(in_order(manifest)) == sorted(JOBS)
+    assert set(resting_on("results/a/record.nc", manifest)) == set(JOBS) - {"results/a/record.nc"}
+    [code] = set(manifest.jobs[manifest.products["results/a/record.nc"]["job"]]["code"])
+    assert set(resting_on(code, manifest)) == set(JOBS)
 
 
 def test_one_byte_flipped_in_each_file_is_found(study):

@@ -54,6 +54,11 @@ class Manifest:
     others: Mapping[str, str]
     packages: list[str]
 
+    def sources(self, product: str) -> dict[str, str]:
+        """Return the SHA-256 of all that a product was made from, by path."""
+        job = self.jobs[self.products[product]["job"]]
+        return provenance.sources(job, job["run"])
+
     def text(self) -> str:
         """Return the manifest as JSON that ends with its own hash."""
         content = json.dumps(asdict(self), sort_keys=True)

@@ -80,8 +80,7 @@ def _bring(manifest: Manifest, source: str, folder: Path) -> None:
     """Copy a result with what says that it is one: its description, and its own sources."""
     made_from = [source]
     if source in manifest.products:
-        job = manifest.jobs[manifest.products[source]["job"]]
-        made_from += provenance.sources(job, job["run"])
+        made_from += manifest.sources(source)
         made_from.append(str(provenance.description_of(Path(source))))
     for name in made_from:
         target = folder / name

@@ -48,8 +48,7 @@ def in_order(manifest: Manifest) -> list[str]:
         if path in begun or path not in manifest.products:
             return
         begun.add(path)
-        job = manifest.jobs[manifest.products[path]["job"]]
-        for source in provenance.sources(job, job["run"]):
+        for source in manifest.sources(path):
             visit(source)
         ordered.append(path)
 
@@ -60,11 +59,14 @@ def in_order(manifest: Manifest) -> list[str]:
 
 def resting_on(path: str, manifest: Manifest) -> list[str]:
     """Return the products that were made from a file, directly or not; the file may be code."""
-    spoilt = {path}
-    for product in in_order(manifest):
-        job = manifest.jobs[manifest.products[product]["job"]]
-        if spoilt & {*provenance.sources(job, job["run"]), *job["code"]}:
-            spoilt.add(product)
+    made_from = {
+        product: {*manifest.sources(product), *manifest.jobs[one["job"]]["code"]}
+        for product, one in manifest.products.items()
+    }
+    spoilt, before = {path}, 0
+    while len(spoilt) > before:
+        before = len(spoilt)
+        spoilt |= {product for product, sources in made_from.items() if spoilt & sources}
     return [product for product in in_order(manifest) if product in spoilt - {path}]
 
 
@@ -110,9 +112,8 @@ def _jobs(manifest: Manifest) -> Iterator[Finding]:
 
 
 def _links(manifest: Manifest) -> Iterator[Finding]:
-    for path, product in manifest.products.items():
-        job = manifest.jobs[product["job"]]
-        for source, sha in provenance.sources(job, job["run"]).items():
+    for path in manifest.products:
+        for source, sha in manifest.sources(path).items():
             if source in manifest.products:
                 if manifest.products[source]["sha256"] != sha:
                     yield Finding(path, f"was made from another {source}")
