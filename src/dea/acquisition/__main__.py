@@ -23,6 +23,7 @@ from dea.acquisition.rescue import rescue
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.transport import known
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.acquisition.watched import acquire_watched
@@ -83,7 +84,7 @@ def drive(options: argparse.Namespace) -> None:
 
 def commission(options: argparse.Namespace) -> None:
     """Drive a staircase to a few per cent, and report what the device does."""
-    device = _device(options)
+    device = known(_device(options))
     settings = AcquisitionSettings.from_mapping(
         {"ramp_rate": options.ramp_rate, "armed_by": options.arm}
     )
@@ -162,7 +163,7 @@ def zero(options: argparse.Namespace) -> None:
 
 def acknowledge(options: argparse.Namespace) -> None:
     """Clear a trip of the safety model, after you have found out why it tripped."""
-    reason = latch.acknowledge(by_hand.known(_device(options)), options.by)
+    reason = latch.acknowledge(known(_device(options)), options.by)
     print("nothing has tripped" if reason is None else f"acknowledged: {reason}")
 
 

@@ -22,7 +22,7 @@ from dea.acquisition.record import kept_record, link_dataset
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.transport import at_address
+from dea.acquisition.transport import known
 from dea.acquisition.voltage_plan import OutputPlan, plan_sequence
 from dea.configuration.safety import refuse_unkept_heartbeat
 from dea.errors import InputError
@@ -103,7 +103,7 @@ def acquire(
     refuse_unkept_heartbeat(device.safety, settings.mode, device.sampling_rate, device.source)
     refuse_unarmed(device, settings.armed_by)
     # Once: what is driven is then what was checked, whatever becomes of its name meanwhile.
-    device = at_address(device)
+    device = known(device)
     if not first:
         refuse_uncommissioned(device)
     refuse_latched(device)

@@ -15,7 +15,7 @@ from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.transport import at_address
+from dea.acquisition.transport import known
 from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device
@@ -36,25 +36,6 @@ _DOING = {
     Phase.REFUSED: "was refused before it had driven anything",
     Phase.UNKEPT: "has shown that the output is at zero; the disk has not taken its trip",
 }
-
-
-def known(device: Device) -> Device:
-    """Return a device whose host has an address, by which its files are named.
-
-    Raises
-    ------
-    InputError
-        Where it has none.
-    """
-    found = at_address(device)
-    if device.serial is None and found is device:
-        raise InputError(
-            f"the host {device.host!r} is not known now, nor who drives it or what has tripped",
-            file=device.source,
-            field="endpoint.host",
-            remedy="Give its address: --host 192.0.2.7",
-        )
-    return found
 
 
 def status(device: Device) -> str:

@@ -12,7 +12,7 @@ from dea.modbus import Device
 class DriveJob(NamedTuple):
     """What a guardian is to do.
 
-    ``device`` has the address of its host, see :func:`dea.acquisition.transport.at_address`: a
+    ``device`` has the address of its host, see :func:`dea.acquisition.transport.known`: a
     look-up of its name may take longer than anybody waits for a sign of life.
     ``counts`` are played from zero to zero; without any, the output is only taken to zero.
     ``replaces`` says that it is so after a guardian that was lost.

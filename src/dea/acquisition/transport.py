@@ -47,16 +47,27 @@ def connect(device: Device, timeout: float) -> Client:
     return client
 
 
-def at_address(device: Device) -> Device:
+def known(device: Device) -> Device:
     """Return a device with the address of its host, so that no name is looked up again.
 
-    The device itself where it has no host, or one that is unknown.
+    Files are named by it, which say who drives the device and what has tripped. One on a serial
+    line is itself.
+
+    Raises
+    ------
+    InputError
+        Where the host has none.
     """
     if device.serial is not None:
         return device
     address = address_of(device.host)
-    if address is None:  # the connection will say so
-        return device
+    if address is None:
+        raise InputError(
+            f"the host {device.host!r} is not known now, nor who drives it or what has tripped",
+            file=device.source,
+            field="endpoint.host",
+            remedy="Give its address: --host 192.0.2.7",
+        )
     tls = replace(device.tls, server_name=device.tls.server_name or device.host)
     return replace(device, host=address, tls=tls)
 
