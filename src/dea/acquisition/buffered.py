@@ -13,7 +13,7 @@ import numpy as np
 
 from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
-from dea.acquisition.read_back import Echo, ReadBack, read_back_register
+from dea.acquisition.read_back import Echo, ReadBack, applied_register
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.modbus import Command, DeviceState, Origin, block_window, reply_window, to_physical
@@ -96,7 +96,7 @@ def play(
     TripError
         Where the safety model is broken.
     """
-    applied = read_back_register(panel.device) or panel.device["output"]
+    applied = applied_register(panel.device)
     echo = Echo(panel, applied.name, tolerance)
     playback = _Playback(panel, counts, laws, echo)
     read_back = ReadBack(panel, counts, tolerance)

@@ -15,7 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.read_back import read_back_register
+from dea.acquisition.read_back import applied_register
 from dea.acquisition.samples import DrivenSamples
 from dea.modbus import Device, to_physical
 
@@ -112,7 +112,7 @@ class Display:
         self._signals.append(
             (
                 samples.device_index / device.sampling_rate,
-                to_physical(read_back_register(device) or device["output"], samples.applied),
+                to_physical(applied_register(device), samples.applied),
                 to_physical(device["displacement"], samples.displacement),
             )
         )

@@ -2,7 +2,7 @@
 
 from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.panel import Panel
-from dea.acquisition.read_back import read_back_register
+from dea.acquisition.read_back import applied_register, read_back_register
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.errors import InputError
@@ -114,7 +114,7 @@ class Output:
 
     def _beyond(self, applied: float) -> float:
         """Return a read-back, V, or 0 where it is no further from it than it may be."""
-        echo = read_back_register(self.device) or self.device["output"]
+        echo = applied_register(self.device)
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
         return applied if abs(applied) > allowed else 0.0
 

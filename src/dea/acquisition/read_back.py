@@ -28,6 +28,11 @@ def read_back_register(device: Device) -> Register | None:
     return next((each for each in named if each and each.access != "write"), None)
 
 
+def applied_register(device: Device) -> Register:
+    """Return the register that says what is applied; where none does, what was written stands."""
+    return read_back_register(device) or device["output"]
+
+
 class ReadBack:
     """Compares one reading with what was played around it, while the output is far from zero.
 
