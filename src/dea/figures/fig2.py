@@ -6,8 +6,6 @@ approach: fitted to the window by least squares on the one-step error).
 """
 
 import json
-from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
+from dea.configuration.lags import largest_lag
 from dea.figures import style
 from dea.number_format import number
 from dea.store import Sources
@@ -97,12 +96,7 @@ def _chosen(orders: xr.Dataset, kind: str) -> int | None:
     if identification is None:
         return None
     keys = ("y_lags", "u_lags") if kind == "dynamic" else ("degree",)
-    return max(_largest(identification[key]) for key in keys)
-
-
-def _largest(lags: int | Sequence[Any]) -> int:
-    """Return the largest of lags, of several inputs in a list for each."""
-    return lags if isinstance(lags, int) else max(map(_largest, lags), default=0)
+    return largest_lag(*(identification[key] for key in keys))
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
