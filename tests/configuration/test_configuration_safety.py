@@ -1,10 +1,8 @@
 """Device descriptions that would drive a device dangerously, each refused by its key."""
 
-import copy
-from functools import reduce
-
 import pytest
 
+from changed_content import changed
 from dea.configuration.device import DeviceDescription
 from dea.configuration.problems import validated
 from dea.errors import InputError
@@ -37,19 +35,18 @@ GOOD = {
 BLOCKS = {"address": 100, "count": 55, "access": "read_write"}
 
 
-def changed(changes):
+def good_but(changes):
     """Return the good description with other values at dotted keys."""
-    content = copy.deepcopy(GOOD)
+    content = GOOD
     for place, value in changes.items():
-        *path, last = place.split(".")
-        reduce(dict.__getitem__, path, content)[last] = value
+        content = changed(content, place.split("."), value)
     return content
 
 
 def test_signals_with_registers_of_their_own_are_accepted():
-    validated(DeviceDescription, changed({}))
-    validated(DeviceDescription, changed({"safety.enable": {"name": "switch", "on": 32767}}))
-    validated(DeviceDescription, changed({"registers.device_index": {"address": 5}}))
+    validated(DeviceDescription, good_but({}))
+    validated(DeviceDescription, good_but({"safety.enable": {"name": "switch", "on": 32767}}))
+    validated(DeviceDescription, good_but({"registers.device_index": {"address": 5}}))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +82,7 @@ def test_signals_with_registers_of_their_own_are_accepted():
 )  # fmt: skip
 def test_a_dangerous_description_is_refused(changes, field, told):
     with pytest.raises(InputError) as caught:
-        validated(DeviceDescription, changed(changes), "device.yaml")
+        validated(DeviceDescription, good_but(changes), "device.yaml")
     assert caught.value.field == field
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -94,12 +91,12 @@ def test_a_dangerous_description_is_refused(changes, field, told):
 def test_a_heartbeat_that_no_mode_keeps_is_refused():
     slow = {"sampling_rate": 1, "safety.heartbeat.period": 0.3}
     with pytest.raises(InputError, match="a polled device is given one in 1 s") as caught:
-        validated(DeviceDescription, changed(slow))
+        validated(DeviceDescription, good_but(slow))
     assert caught.value.field == "safety.heartbeat.period"
     fifo = slow | {"registers.block_samples": BLOCKS}
-    described = validated(DeviceDescription, changed(fifo))
+    described = validated(DeviceDescription, good_but(fifo))
     assert described.safety.unkept_heartbeat("buffered", described.sampling_rate) is None
     with pytest.raises(InputError, match="Give 1 s or more, here"):
-        validated(DeviceDescription, changed(fifo | {"safety.interval": 0.5}))
+        validated(DeviceDescription, good_but(fifo | {"safety.interval": 0.5}))
     as_written = {"sampling_rate": 30, "safety.heartbeat.period": 0.033}
-    validated(DeviceDescription, changed(as_written))
+    validated(DeviceDescription, good_but(as_written))
