@@ -92,8 +92,8 @@ def keep(
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
         with acquisition.samples_kept(partial):
             write(played.label(acquired), files, settings)
-        for file, text in beside.items():
-            (folder / file).write_bytes(text.encode())
+            for file, text in beside.items():
+                (folder / file).write_bytes(text.encode())
         fault = acquisition.clock_fault(device, acquired, options)
         kept = archive.seal(
             folder,
