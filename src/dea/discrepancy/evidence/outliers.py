@@ -1,13 +1,12 @@
 """Single samples that lie far from their neighbours, as a sensor or a logger makes them."""
 
 import numpy as np
+from scipy.stats import median_abs_deviation
 
 # Standard deviations from which a sample is one.
 _FAR = 8.0
 # Of the distance of an outlier from the mean of its neighbours, what it moves theirs by: half.
 _ECHO = 0.25, 0.75
-# Standard deviation over median of the absolute values, of a normal distribution.
-_NORMAL = 1.4826
 
 
 def count_outliers(residual: np.ndarray, measured: np.ndarray, noise: float) -> int:
@@ -22,7 +21,7 @@ def count_outliers(residual: np.ndarray, measured: np.ndarray, noise: float) -> 
     known = measured[1:-1] & measured[:-2] & measured[2:]
     if np.count_nonzero(known) < 3:
         return 0
-    scatter = _NORMAL * float(np.median(np.abs(distance[known])))
+    scatter = float(median_abs_deviation(distance[known], scale="normal"))
     middle, before, after = distance[1:-1], distance[:-2], distance[2:]
     far = np.abs(middle) > _FAR * max(scatter, noise)
     there = known[1:-1] & known[:-2] & known[2:] & far
