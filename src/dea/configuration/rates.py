@@ -7,6 +7,8 @@ from dea.configuration.lags import largest_lag
 from dea.configuration.study import Study
 from dea.errors import InputError
 
+_PER_LAG = 3  # samples of a stretch for each lag, as in dea.missing.stretches
+
 
 def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) -> None:
     """Check that excitations and stretches of the study's record suit a device's rate in Hz.
@@ -22,17 +24,17 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
                 f"{highest:g} Hz is not below half of the {rate:g} Hz of {device}",
                 file=file,
                 field=field,
-                remedy="Lower it, or sample faster",
+                remedy="Lower it, or sample faster.",
             )
     for field, length, lag in _stretches(study):
         samples = round(length * rate)
-        if samples <= 3 * lag:
+        if samples <= _PER_LAG * lag:
             raise InputError(
                 f"{length:g} s hold {samples} samples at the {rate:g} Hz of {device}, and lags of"
-                f" {lag} take more than {3 * lag}",
+                f" {lag} take more than {_PER_LAG * lag}",
                 file=file,
                 field=field,
-                remedy="Lengthen it, or take smaller lags",
+                remedy="Lengthen it, or take smaller lags.",
             )
     for first, last in study.validation.windows:
         samples = round((last - first) * rate)
@@ -42,7 +44,7 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
                 f" {samples} at the {rate:g} Hz of {device}",
                 file=file,
                 field="validation.max_lag",
-                remedy="Take less than half of a window, or longer windows",
+                remedy="Take less than half of a window, or longer windows.",
             )
 
 
