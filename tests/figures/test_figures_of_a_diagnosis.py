@@ -213,6 +213,28 @@ def test_the_band_of_a_law_is_drawn_at_the_samples_of_the_record_alone(panels):
     assert legend == ["95 % band", "law", "without it"]
 
 
+@pytest.mark.parametrize("far", [2.5, 100.0])
+def test_a_band_that_would_flatten_the_law_is_cut(far):
+    """The law and what would be without it reach from -1 to 1."""
+    wide = CERTIFICATE.assign(law_1_high=CERTIFICATE["law_1_value"] + far)
+    ax = discrepancy(LOCALISATION, CANDIDATES, wide, verdict()).axes[4]
+    told = [text.get_text() for text in ax.texts]
+    if far < 3.0:
+        assert ax.get_ylim()[1] > 3.4
+        assert not any("cut" in text for text in told)
+    else:
+        assert ax.get_ylim() == pytest.approx((float(wide["law_1_low"].min()), 3.0), abs=0.05)
+        assert "cut; reaches \N{MINUS SIGN}1.1 to 1e+02" in told
+
+
+def test_a_drift_is_told_by_its_ends_above_its_course():
+    said = verdict()
+    drift = {"name": "factor on gain", "unit": "1", "start": 1.0, "end": 0.8037}
+    said["effects"][0]["change"] = drift
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
+    assert ax.get_title("right").splitlines()[1:] == ["factor on gain 1 to 0.804"]
+
+
 def test_a_law_is_not_drawn_at_samples_that_are_not_used():
     role = CERTIFICATE["role"].where(TIME >= 3, 0)
     start = CERTIFICATE.assign(

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.number_format import share, written_out
@@ -44,6 +45,8 @@ _SHARES_AT, _PRESENCE_END = 1.25, 1.9
 _BAND = "#F3CDB2"
 # Lengths that an output may have, in a metre.
 _OF_A_METRE = {"mm": 1e3, "µm": 1e6, "um": 1e6}
+# Part of a law's range on either side of it, beyond which its band is cut.
+_ROOM = 1.0
 # Height of the ticks that mark the samples of a law, in parts of its axis.
 _RUG = 0.03
 
@@ -263,12 +266,26 @@ def _shape(
     ax.plot(along, idle, color=style.GREY, ls="--", lw=0.8, label="without it")
     if not over_time:
         ax.vlines(along, 0.0, _RUG, color=style.BLACK, lw=0.15, transform=ax.get_xaxis_transform())
+    _leave_room_for_law(ax, np.concatenate([value, idle]), float(low.min()), float(high.max()))
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
     told = [effect["name"].replace("_", " ")]
-    told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
+    if change := effect.get("change"):
+        told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
+    else:
+        estimates = list(effect["parameters"].items())[:_TOLD]
+        told += [_estimate(name, each) for name, each in estimates]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
+
+
+def _leave_room_for_law(ax: Axes, drawn: NDArray[np.float64], low: float, high: float) -> None:
+    """Cut a band from ``low`` to ``high`` that would flatten the law ``drawn``, and say so."""
+    least, most = float(drawn.min()), float(drawn.max())
+    room = _ROOM * (most - least)
+    if not high - low > (1.0 + 2.0 * _ROOM) * (most - least) > 0.0:
+        return
+    style.cut(ax, max(low, least - room), min(high, most + room), (low, high))
 
 
 def _length_in(values: xr.DataArray, units: str, wanted: str) -> xr.DataArray:

@@ -143,6 +143,17 @@ def page_figure(width: float, height: float) -> Figure:
     )
 
 
+def cut(ax: Axes, low: float, high: float, reached: tuple[float, float]) -> None:
+    """Let an axis upwards go from ``low`` to ``high``, and say how far what is drawn reaches."""
+    ax.set_ylim(low, high)
+    least, most = reached
+    ax.annotate(
+        f"cut; reaches {least:.2g} to {most:.2g}".replace("-", "\N{MINUS SIGN}"), (1, 1), (0, 0),
+        xycoords="axes fraction", textcoords="offset points", ha="right", va="top", fontsize=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+    )  # fmt: skip
+
+
 @styled
 def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     """Save ``figure`` at each path, PNG or PDF by its ending, at ``resolution`` dots per inch.

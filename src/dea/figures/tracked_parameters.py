@@ -198,9 +198,4 @@ def _limits(ax: Axes, banded: xr.Dataset | None) -> None:
     if not most - least > _FLATTENED * (high - low) > 0.0:
         return
     margin = _MARGIN * (high - low)
-    ax.set_ylim(max(least, low - margin), min(most, high + margin))
-    ax.annotate(
-        f"cut; reaches {least:.2g} to {most:.2g}".replace("-", "\N{MINUS SIGN}"), (1, 1), (0, 0),
-        xycoords="axes fraction", textcoords="offset points", ha="right", va="top", fontsize=6,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-    )  # fmt: skip
+    style.cut(ax, max(least, low - margin), min(most, high + margin), (least, most))
