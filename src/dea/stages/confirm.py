@@ -32,6 +32,15 @@ def confirm(
     f = measured["frequency"].values
     pairs = np.concatenate([-f[::-1], f])
     responses = store.read(gfrf)
+    highest = float(responses["frequency"].values[responses["excited"].values == 1].max())
+    if f[0] > highest:
+        raise InputError(
+            f"its first line, {f[0]:g} Hz, lies above {highest:.3g} Hz, where the band of the model"
+            " ends",
+            file=probed,
+            field="excitation.probing.lowest",
+            remedy="Lower it, and record again",
+        )
     lacking = [
         np.interp(f, responses["frequency"].values, np.nan_to_num(responses[name].values))
         for name in ("model_error_gain", "model_error_phase")
@@ -64,15 +73,6 @@ def confirm(
                     second.response, second.gain_high, second.phase_high
                 ),
             )
-        )
-    highest = float(responses["frequency"].values[responses["excited"].values == 1].max())
-    if f[0] > highest:
-        raise InputError(
-            f"its first line, {f[0]:g} Hz, lies above {highest:.3g} Hz, where the band of the model"
-            " ends",
-            file=probed,
-            field="excitation.probing.lowest",
-            remedy="Lower it, and record again",
         )
     result = nonparametric.confirmation(measured, found, modelled, highest)
     result.attrs["model_band_withheld"] = withheld
