@@ -38,7 +38,8 @@ def of_virtual(*unread):
 
 
 # Where a sequence is played, from the device's own buffer no sample is late.
-PLAYED = of_virtual(*["late_after"] * (config["acquisition"]["mode"] == "buffered"))
+BUFFERED = config["acquisition"]["mode"] == "buffered"
+PLAYED = of_virtual("late_after") if BUFFERED else of_virtual()
 
 
 def acquisition_settings(excitation):
