@@ -42,7 +42,7 @@ KEEP = $(if $(filter-out 0,$(STORE)),--store)
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws docs audit sign crate slurm \
 	killed processor numbers fresh \
-	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
+	check test slow-tests compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
@@ -231,16 +231,19 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 	snakemake --lint
 
 # All processes share what one has compiled, beside the linters, which leave cores idle.
-test: export PYTHONDONTWRITEBYTECODE :=
-test: $(VENV)/installed ## the whole test suite
+test slow-tests: export PYTHONDONTWRITEBYTECODE :=
+test: $(VENV)/installed ## linters and every test but the slow ones
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
 	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
 		status=$$?; cat build/timed_tests.txt; exit $$status
 
+slow-tests: $(VENV)/installed ## tests of whole studies, campaigns and diagnoses, and others of more than two seconds
+	pytest --numprocesses $(CORES) $(BY_FILE) -m 'slow and not campaign'
+
 # They wait for clocks more than they compute: two files at a time, beside all others, which leave
 # them the processor when they want it. A host that pauses a virtual machine for a tenth of a second
 # makes a sample late or lost, so that a failed one is run again; the summary names it.
-TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/test_fault_campaign.py
+TIMED := tests/test_fault_campaign.py tests/acquisition tests/bench tests/test_example_controller.py
 BY_FILE := --dist loadfile --no-loadscope-reorder
 
 timed-tests: $(VENV)/installed
@@ -249,7 +252,7 @@ timed-tests: $(VENV)/installed
 		> build/timed_tests.txt
 
 other-tests: $(VENV)/installed
-	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %)
+	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %) -m 'not slow and not campaign'
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build

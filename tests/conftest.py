@@ -29,16 +29,13 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(items):
-    """Begin with the files that take longest, so that all workers end at about the same time.
+    """Begin with the file that makes the small study, and end with the others of the workflow.
 
-    First of all comes the file that makes the small study. The others of the workflow wait for it,
-    and find compiled what their jobs call.
+    They wait for it, and find compiled what their jobs call.
     """
-    slow = {item.path for item in items if item.get_closest_marker("slow")}
 
     def turn(item):
-        workflow = "workflow" in item.path.parts
-        return item.path.name != "test_workflow.py", item.path not in slow, workflow
+        return item.path.name != "test_workflow.py", "workflow" in item.path.parts
 
     items.sort(key=turn)
 

@@ -42,6 +42,7 @@ def run(package: Path, command: str = RUN, **environment: str) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["", "import numba; "])
 def test_an_edited_callee_is_compiled_again_and_an_unedited_one_is_not(package, first):
     assert run(package, first + RUN) == ["21.0", "0"]

@@ -20,8 +20,6 @@ from benchmarks.faults.strategies import draw
 from benchmarks.faults.trace import Applied, Trace
 from benchmarks.faults.verdicts import Verdict, Verdicts
 
-pytestmark = pytest.mark.slow
-
 RATE = 50
 PLAN = Schedule("plain", low=1.0, high=3.0, duration=1.0)
 

@@ -22,8 +22,6 @@ from coverage import CoverageData
 from dea.errors import InputError
 from written_files import write_files
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[1]
 SOURCE = '''"""Adds 1 and 2."""
 from numba import njit
@@ -432,6 +430,7 @@ def alive(process):
     return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("when", ["the suite", "a mutant"])
 def test_a_campaign_that_is_ended_ends_its_tests(project, when, tmp_path):
     """At once, though a mutant's tests may take minutes."""

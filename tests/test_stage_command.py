@@ -79,6 +79,7 @@ def test_what_a_stage_is_doing_is_in_its_log(capsys):
     assert capsys.readouterr().err == "step: pairs, 3 of 9 done\n"
 
 
+@pytest.mark.slow
 def test_linear_algebra_uses_one_thread_in_every_stage():
     """Snakemake gives the libraries of a job as many threads as its rule may have."""
     script = """

@@ -17,8 +17,6 @@ from dea.acquisition.commissioning import _delay, commission
 from dea.errors import DeviceError, InputError
 from dea.modbus import read_device
 
-pytestmark = pytest.mark.slow
-
 SETTINGS = AcquisitionSettings(ramp_rate=5.0, timeout=0.5, reconnect_time=2.0, armed_by="A. Person")
 SAFETY = {
     "amplifier_gain": 1000, "film": {"thickness": 50.0, "capacitance": 2.0},

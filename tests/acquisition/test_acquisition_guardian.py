@@ -26,8 +26,6 @@ from dea.acquisition import (
 )
 from dea.errors import InputError
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[2]
 RATE = 20.0  # V/s
 SETTINGS = AcquisitionSettings(

@@ -26,8 +26,6 @@ from dea.acquisition.recorder import GuardianLostError
 from dea.errors import InputError
 from dea.progress import heard_by
 
-pytestmark = pytest.mark.slow
-
 SETTINGS = AcquisitionSettings(
     mode="polled", ramp_rate=20.0, timeout=0.3, retries=0, reconnect_time=3.0, stall_time=0.6
 )

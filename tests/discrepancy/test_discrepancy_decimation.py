@@ -113,6 +113,7 @@ def test_an_input_that_jumps_is_decimated_as_recorded(recorded):
     assert interpolation_of([record(u)], 7, recorded) == recorded
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "highest"), [(0.2, np.inf), (0.5, 3.8)])
 def test_a_decimated_record_is_simulated_as_the_whole_one(size, highest):
     """The film follows within a few milliseconds, a fiftieth of the interval that would be allowed.

@@ -66,6 +66,7 @@ def test_of_certified_samples_that_hold_no_event_none_is_fitted():
     assert rmse(dated.residual, problem.certify) > 0.42 * STEP
 
 
+@pytest.mark.slow
 def test_a_date_is_not_replaced_by_a_worse_one():
     problem, fitted = stepped(certified(0.5), certified(0.5))
     whole = problem.whole(fitted.records)

@@ -152,6 +152,7 @@ def located(u, y, gap, rng):
     return localise(problem, gap, INPUT, "mm", problem.fit, rng)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [1, 50, 200])
 def test_chance_is_rarely_called_a_place(memory):
     """A first-order autoregression whose autocorrelation adds up to these samples."""

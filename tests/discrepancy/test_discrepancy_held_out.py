@@ -78,6 +78,7 @@ def drifting():
     return problem, fit(problem, law, np.zeros(law.free.size), iterations=40)
 
 
+@pytest.mark.slow
 def test_a_course_in_time_is_interpolated_between_short_blocks(drifting):
     """A third of the record would be extrapolated, and say nothing against the right course."""
     problem, fitted = drifting

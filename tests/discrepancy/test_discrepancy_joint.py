@@ -34,6 +34,7 @@ def recorded(seed, start, interval=INTERVAL):
     )
 
 
+@pytest.mark.slow
 def test_records_of_one_device_share_their_law_and_not_their_start():
     settings = Settings(effects=OFFERED, warm_up=0.0)
     found = diagnose([recorded(1, 0.4), recorded(2, -0.3)], CARRIAGE, settings=settings)

@@ -13,6 +13,7 @@ from dea.store import Record
 OFFERED = ("coulomb_friction", "gain_drift", "sensor_lag", "viscoelastic_creep")
 
 
+@pytest.mark.slow
 def test_flagged_samples_change_no_name():
     """Every tenth sample and one second are flagged, and what they hold is worth nothing."""
     whole = record([("gain_drift", 1.5)], duration=20.0, seed=3)

@@ -180,6 +180,7 @@ def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
     assert both.fit.extended.attached[-1].upstream is (first == "input_saturation")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("relaxes", [True, False])
 @pytest.mark.parametrize(
     ("name", "drift"), [("stress_relaxation", 0.2), ("viscoelastic_creep", 0.1)]
@@ -217,6 +218,7 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
     assert judged_again.candidates[0].finished == leaks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threshold", [True, False])
 def test_a_power_of_the_input_does_not_bear_the_name_of_a_threshold(threshold):
     """A heater's power goes with the square of its voltage, from zero on."""
@@ -234,6 +236,7 @@ def test_a_power_of_the_input_does_not_bear_the_name_of_a_threshold(threshold):
     assert judged_again.candidates[0].finished == threshold
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("relaxes", [True, False])
 def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
     problem, extended = hidden("dead_zone", *["stress_relaxation"] * relaxes)
@@ -249,6 +252,7 @@ def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
     assert judged_again.candidates[0].finished == relaxes
 
 
+@pytest.mark.slow
 def test_two_effects_are_found_beside_laws_that_pass_for_them():
     problem, extended = hidden("dead_zone", "sensor_lag")
     nominal = fit(problem, extended, np.zeros(extended.free.size))
@@ -264,6 +268,7 @@ def test_two_effects_are_found_beside_laws_that_pass_for_them():
     assert len(sets) == len(set(sets))
 
 
+@pytest.mark.slow
 def test_a_second_effect_that_only_helped_the_first_one_is_dropped():
     """The fits of single effects stopped where they started; only pairs are fitted to the end."""
     problem, extended = hidden("sensor_lag")
@@ -1051,6 +1056,7 @@ def test_a_leading_fit_whose_simulation_was_led_astray_is_made_again():
     assert best(restarted=1).rmse < 1.1 * NOISE
 
 
+@pytest.mark.slow
 def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_ones():
     problem, extended = hidden("dead_zone", "sensor_lag")
     names = "dead_zone", "input_saturation", "sensor_lag"
@@ -1061,6 +1067,7 @@ def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_
     assert sorted(ports) == [Port.INPUT, Port.OUTPUT]
 
 
+@pytest.mark.slow
 def test_fewer_further_effects_are_fitted_to_the_end_than_first_ones():
     problem, extended = hidden("dead_zone")
     base = fit(problem, extended, np.zeros(extended.free.size))

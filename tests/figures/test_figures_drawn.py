@@ -30,8 +30,6 @@ from dea.figures.recovery import recovery
 from dea.figures.residual_tests import as_mathematics, residual_tests
 from dea.figures.tracked_parameters import tracked_parameters
 
-pytestmark = pytest.mark.slow
-
 OF_ONE = {
     "control": lambda: control(made.control(1)),
     "fig1": lambda: fig1(made.record(1), "dea1", (100, 130)),
@@ -114,6 +112,7 @@ def assert_units(figure):
         assert re.search(r"\(.+\)$", label) or WITHOUT_UNITS.fullmatch(label), label
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OF_ONE)
 def test_a_figure_of_one_actuator_is_readable_and_says_its_units(name):
     figure = OF_ONE[name]()
@@ -121,6 +120,7 @@ def test_a_figure_of_one_actuator_is_readable_and_says_its_units(name):
     assert_readable(figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OF_ALL)
 def test_a_figure_of_all_actuators_is_readable_and_says_its_units(name, each, names):
     figure = OF_ALL[name](each)

@@ -35,6 +35,7 @@ def draw(tmp_path, request):
     return run
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_bytes(draw):
     once = draw("a", PYTHONHASHSEED="1", TZ="UTC")
     again = draw("b", PYTHONHASHSEED="2", TZ="Asia/Tokyo", MPLBACKEND="pdf")

@@ -113,6 +113,7 @@ def test_one_signal_on_both_inputs_is_a_model_of_one_input():
     np.testing.assert_allclose(total, one, rtol=0.0, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_bands_cover_the_responses_of_drawn_parameters():
     rng = np.random.default_rng(0)
     model = MODEL.with_parameters(MODEL.parameters, np.diag((1e-4 * MODEL.parameters) ** 2))

@@ -122,6 +122,7 @@ def test_a_wrong_line_or_certificate_is_refused(framing, section, field):
     assert caught.value.field == field
 
 
+@pytest.mark.slow
 @given(st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
                     lambda inner: st.lists(inner, max_size=3)
                     | st.dictionaries(st.sampled_from([*GOOD, "address", "type"]), inner,

@@ -13,8 +13,6 @@ from scipy.integrate import solve_ivp
 
 from dea.simulation import catalogue
 
-pytestmark = pytest.mark.slow
-
 # Effects to choose from where it does not matter how many there are.
 FEW = ("dead_zone", "sensor_lag", "strain_stiffening")
 
@@ -75,6 +73,7 @@ def test_every_effect_of_the_catalogue_has_a_sign_in_the_library():
     assert all(np.mean(term.values**2) == pytest.approx(1.0) for term in terms)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [[-2.0], [-9.0, -2.0]])
 def test_the_free_run_of_an_equation_is_its_solution(own):
     t = np.arange(400) * 0.01
@@ -209,6 +208,7 @@ def one_ahead_and_another():
     return pose(record, effects=FEW), pose(record._replace(y=other), effects=FEW)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(methods()))
 def test_no_answer_depends_on_what_is_kept_back(name, one_ahead_and_another, few_in_grey_box):
     found, again = (answered(name, each) for each in one_ahead_and_another)

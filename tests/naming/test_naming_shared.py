@@ -47,6 +47,7 @@ def test_a_value_is_computed_once_and_charged_to_each_who_uses_it(clock):
     assert own.timed(first) == (1.0, 4.0)
 
 
+@pytest.mark.slow
 def test_compiling_is_no_method_s_time():
     own = Shared()
 

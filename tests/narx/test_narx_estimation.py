@@ -31,6 +31,7 @@ def test_estimates_equal_textbook_least_squares():
     np.testing.assert_allclose(found.covariance, covariance, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_standard_errors_are_the_spread_over_repetitions():
     """Equation error is what least squares assumes: there its standard errors hold."""
     model = NarxModel.from_terms(PLANT)

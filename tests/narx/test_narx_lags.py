@@ -13,8 +13,6 @@ from dea.progress import heard_by
 from dea.store import Record
 from measured_records import DATA, needs_records
 
-pytestmark = pytest.mark.slow
-
 CASES = Path(__file__).parents[2] / "config" / "cases"
 # Only lag 3 of the input acts, and lag 2 of the output.
 PLANT = NarxModel.from_terms({"y(t-2)": 0.6, "u(t-3)": 0.5, "u(t-3)^2": 0.3})

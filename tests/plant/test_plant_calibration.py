@@ -23,6 +23,7 @@ def measured():
     return {name.lower(): calibration.published(model, 50.0) for name, model in models.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", ACTUATORS)
 def test_an_actuator_answers_as_the_measured_one(measured, actuator):
     made = calibration.virtual(read_parameters(BENCH, actuator))

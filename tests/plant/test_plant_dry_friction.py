@@ -66,6 +66,7 @@ def test_a_ball_on_a_film_of_swinging_stiffness_sticks_and_slides(law):
     assert np.ptp(exact) > 0.5 * travel
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", SHARES)
 def test_a_drive_sticks_and_slides(law):
     drive, rate, size = Drive(), 2 * np.pi * 0.7, 2.0

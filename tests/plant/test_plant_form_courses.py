@@ -186,6 +186,7 @@ def test_a_disturbance_has_its_strongest_line_at_its_frequency(form, seed):
     assert found == pytest.approx(defining["frequency"], abs=0.1 / 6.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", forms("periodic_disturbance"))
 def test_a_disturbance_of_slow_readings_is_below_half_their_rate(form):
     slow = CONDITIONS._replace(rate=5.0)

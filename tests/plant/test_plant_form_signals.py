@@ -228,6 +228,7 @@ def test_a_corona_charges_above_its_onset_alone(share):
     np.testing.assert_allclose(left, decayed, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", SHARES)
 def test_the_oscillation_obeys_van_der_pol_s_equation(share):
     made, defining, draws = drawn("relaxation_oscillation", 0.3, share)

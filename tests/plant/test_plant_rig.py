@@ -31,6 +31,7 @@ def excitation(seconds, seed=0):
     return np.rint(volts * VOLT).astype(np.uint16)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(cuts=st.lists(st.integers(0, 300), max_size=12), actuator=st.sampled_from(ACTUATORS))
 def test_what_is_measured_does_not_depend_on_how_the_samples_are_cut(cuts, actuator):
@@ -75,6 +76,7 @@ def test_a_displacement_answers_to_the_outputs_before_it_and_never_to_its_own():
     assert abs(int(first[104]) - int(second[104])) > 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", ACTUATORS)
 def test_half_an_hour_stays_whole_and_in_range(actuator):
     rig = Rig.from_config(CONFIG, actuator, seed=1)
@@ -86,6 +88,7 @@ def test_half_an_hour_stays_whole_and_in_range(actuator):
     assert 0.03 < displacement[:5000].std() < 0.5
 
 
+@pytest.mark.slow
 def test_the_second_actuator_sinks_and_the_sixth_rises():
     """As the measured ones of these numbers did, under the same excitation over and over."""
     counts = np.tile(excitation(200.0), 9)

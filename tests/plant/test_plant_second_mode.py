@@ -93,6 +93,7 @@ def true(form, attached, masses):
     return np.concatenate(angles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "attached", "masses"),
     [("hardening_absorber", single, 1), ("shared_damping", single, 1),

@@ -70,6 +70,7 @@ def trials():
     return [draw(CONFIG, SEED, index, Use.REPORTING) for index in range(5)]
 
 
+@pytest.mark.slow
 def test_a_drawn_trial_hides_what_its_plan_says_at_a_strength_in_range(trials):
     for trial, plan in zip(trials, plans(SEED, 5, Use.REPORTING), strict=True):
         assert [effect.name for effect in trial.effects] == [name for name, _ in plan.hidden]
@@ -196,6 +197,7 @@ def test_the_noise_of_each_kind_has_the_correlation_and_shift_of_that_kind():
         assert {np.sign(each.shift) for each in drawn} == ({-1, 1} if shifted else {0})
 
 
+@pytest.mark.slow
 def test_devices_vary_by_no_more_than_the_spread_of_each_parameter():
     for trial in (draw(CONFIG, SEED, index, Use.TUNING) for index in range(4)):
         spread = DEVICES[trial.device].spread

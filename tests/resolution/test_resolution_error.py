@@ -121,6 +121,7 @@ def test_another_explanation_errs_by_up_to_what_is_unexplained_grown_alike():
     assert right.another == (right.right,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "error", [Error(0.3, 1.0, 40.0), Error(0.5, 0.8, 200.0, 5.0), Error(1.0, 0.0, 1.0)]
 )

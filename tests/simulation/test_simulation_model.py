@@ -447,6 +447,7 @@ def test_the_divisor_of_a_force_port_is_checked(port, message):
         replace(load_simulation("cascaded_tanks"), force_ports=(port,))
 
 
+@pytest.mark.slow
 def test_what_numba_keeps_of_a_users_simulation_is_found_again(tmp_path):
     path = write_own(tmp_path / "own.py", slope="p[0] * less(p[1] * u, x[0])")
     text = "from numba import njit\n\n\ndef less(a, b):\n    return a - b\n" + path.read_text()

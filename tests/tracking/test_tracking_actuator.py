@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 
 from dea.excitation import Span, gaussian
@@ -36,6 +37,7 @@ def small_signal_response(at: np.ndarray) -> np.ndarray:
     return np.array([analysed[i - 1500 : i + 1500].mean() for i in at])
 
 
+@pytest.mark.slow
 def test_the_tracked_response_is_that_of_the_actuator():
     u, y = displacement(gaussian(Span(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75)))
     search = Refined(threshold=STUDY["identification"]["threshold"])

@@ -26,6 +26,7 @@ def dense(Phi, y, q, prior_variance):
     return log_likelihood, means, covariances
 
 
+@pytest.mark.slow
 def test_the_covariance_is_that_of_dense_algebra_over_a_fine_grid_of_ratios():
     rng = np.random.default_rng(3)
     n, at = 100, np.array([5, 30, 99])
@@ -76,6 +77,7 @@ def test_intervals_hold_a_parameter_whose_walk_the_record_tells_little_of(step):
     assert 0.92 < np.mean(held) < 0.98
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.0, 0.2])
 def test_the_mean_of_a_common_ratio_is_that_over_a_fine_grid(step):
     rng = np.random.default_rng(4)

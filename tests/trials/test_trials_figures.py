@@ -19,6 +19,7 @@ def scores(request, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_the_figures_are_drawn_the_same_each_time(scores, tmp_path):
     options = {name: {} for name in FIGURES} | {"trials_gap": {"clean": 1.15}}
     settings = {"resolution": 50, "figures": options}

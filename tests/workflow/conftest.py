@@ -5,6 +5,12 @@ import pytest
 from copied_project import THREE_TRIALS, Project
 
 
+def pytest_itemcollected(item):
+    """Count what needs a study or a campaign that has run among the slow tests."""
+    if {"finished", "finished_campaign"} & set(item.fixturenames):
+        item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture
 def project(tmp_path):
     return Project(tmp_path).copy()

@@ -8,8 +8,6 @@ import pytest
 import yaml
 from copied_project import Project
 
-pytestmark = pytest.mark.slow
-
 PER_ACTUATOR = [
     "acquire", "acquire_probed", "orders", "select", "validate", "forecast", "track", "gfrf",
     "confirm",

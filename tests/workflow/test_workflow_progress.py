@@ -105,6 +105,7 @@ def test_snakemakes_own_account_of_a_failed_job_is_left_out(handler, capsys):
     assert not capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_of_a_long_step_the_terminal_says_what_it_is_doing(handler, capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(sys.modules[type(handler).__module__], "STILL", 0.0)
     log, none = tmp_path / "diagnose.log", tmp_path / "not_begun.log"

@@ -12,7 +12,7 @@ from dea.acquisition import BrokenRecordError, Quality, ZeroNotVerifiedError
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
 
-pytestmark = [pytest.mark.faults, pytest.mark.slow]
+pytestmark = pytest.mark.faults
 
 EXCHANGES = 33  # of a buffered acquisition: 18 to check and claim, 10 for blocks, 5 to stop
 PATIENTLY_POLLED = replace(SETTINGS, mode="polled", timeout=0.5)  # where nothing is repeated

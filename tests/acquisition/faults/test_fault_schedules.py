@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from served_bench import ServedBench
 
-pytestmark = [pytest.mark.faults, pytest.mark.slow]
+pytestmark = pytest.mark.faults
 
 
 def faults(kinds, last):
