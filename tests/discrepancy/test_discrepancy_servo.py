@@ -1,4 +1,4 @@
-"""A position servo whose carriage nothing pulls back: dry friction shows beside a constant load."""
+"""A position servo whose carriage nothing pulls back: dry friction, or a reading behind a gear."""
 
 import numpy as np
 import pytest
@@ -82,3 +82,32 @@ def test_friction_of_a_servo_is_named_beside_a_constant_load(simulation):
     assert found.verdict.status == "named", found.verdict.sentence
     proof = found.verdict.certified["records"]["another"]
     assert proof["after"] < 0.25 * proof["before"]
+
+
+def behind_a_gear(seed, gap):
+    """The same without friction, read behind a gear that plays."""
+    record = recorded(seed, 0.0)
+    y = record["output"].values
+    read = np.empty_like(y)
+    low, high = y[0] - 0.5 * gap, y[0] + 0.5 * gap  # the gap's ends, which what is read drags along
+    for k, place in enumerate(y):
+        shift = min(place - low, 0.0) + max(place - high, 0.0)
+        low, high = low + shift, high + shift
+        read[k] = 0.5 * (low + high)
+    read += 4e-5 * np.random.default_rng(seed).standard_normal(y.size)
+    return record.assign(output=("time", read, record["output"].attrs))
+
+
+def test_play_of_a_gear_before_the_sensor_is_named_with_its_gap(simulation):
+    offered = ("backlash", "coulomb_friction", "dead_zone", "sensor_lag", "transport_delay")
+    found = diagnose(
+        behind_a_gear(1, 0.004), simulation, settings=Settings(effects=offered, budget=SEARCH),
+        test_records={"another": behind_a_gear(2, 0.004)},
+    )  # fmt: skip
+    assert found.verdict.names == ("backlash",), found.verdict.sentence
+    assert found.verdict.status == "named", found.verdict.sentence
+    gap = found.verdict.effects[0].parameters["gap"]
+    assert gap.low <= 0.004 <= gap.high
+    assert gap.value == pytest.approx(0.004, rel=0.03)
+    proof = found.verdict.certified["records"]["another"]
+    assert proof["after"] < 0.1 * proof["before"]

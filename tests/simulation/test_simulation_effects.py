@@ -51,6 +51,7 @@ def test_the_catalogue_holds_the_effects_of_four_ports():
     assert ports[Port.TIME] == {"gain_drift", "baseline_drift", "step_fault"}
     assert ports[Port.OUTPUT] == {
         "sensor_lag", "output_saturation", "sensor_nonlinearity", "periodic_disturbance",
+        "backlash",
     }  # fmt: skip
 
 
@@ -1061,3 +1062,27 @@ def test_a_limit_of_the_sensor_is_the_same_in_every_unit(unit):
     q = np.array([2.0, 0.5, 20.0, 0.1, 1.0])
     scaled = q * np.array([unit, unit, 1.0, 1.0, unit])
     np.testing.assert_allclose(law(unit * y, t, scaled, 1.0), unit * law(y, t, q, 1.0), rtol=1e-9)
+
+
+@pytest.mark.parametrize("rounding", [0.0, 0.5])
+@pytest.mark.parametrize("swing", [0.5, 1.3])
+def test_the_loop_of_backlash_has_the_area_of_its_parallelogram_at_any_rate(swing, rounding):
+    """A play of gap g under a swing s holds the area g (s - g); one that is not crossed, none."""
+    law, gap = catalogue()["backlash"].shape_output, 0.3
+    areas = []
+    for samples in (500, 4000):
+        y = 0.8 + 0.5 * swing * np.sin(2 * np.pi * np.arange(2 * samples) / samples)
+        read = law(y, np.zeros(y.size), values("backlash", gap=gap, rounding=rounding), DT)
+        y, read = y[samples:], read[samples:]
+        areas.append(abs(np.sum(0.5 * (read + np.roll(read, 1)) * (y - np.roll(y, 1)))))
+    gaps = gap * (1.0 - rounding * np.array([0.0, 0.25, 0.5, 0.75, 1.0]))
+    np.testing.assert_allclose(areas, np.mean(gaps * (swing - gaps)), rtol=2e-3)
+
+
+def test_within_its_gap_backlash_shows_no_motion_and_beyond_it_all():
+    law = catalogue()["backlash"].shape_output
+    y = np.array([1.0, 1.1, 1.25, 1.6, 1.5, 1.35, 1.2, 0.9, 1.0, 1.3])
+    for place, begun in ((1.0, 0.85), (0.0, 1.0), (-1.0, 1.15)):
+        read = law(y, np.zeros(y.size), values("backlash", gap=0.3, place=place), DT)
+        up = [max(begun, each) for each in (0.85, 0.95, 1.1)]
+        np.testing.assert_allclose(read, [*up, 1.45, 1.45, 1.45, 1.35, 1.05, 1.05, 1.15])
