@@ -208,7 +208,24 @@ def test_a_sensor_that_drops_out_leaves_the_feedforward():
     assert held.step(1.0, float("nan"), 2.5) == 2.5
 
 
-@pytest.mark.parametrize("options", [{"rate": 0.0}, {"start": 9.0}, {"highest": 1.0}])
+def test_without_a_feedforward_the_last_one_is_kept_within_the_rate():
+    """A change of 0.4 in a sample at most; without an error there is no feedback."""
+    held = Follower(Gains(1.0, 0.5, RATE), 1.1, 3.75, rate=20.0, start=2.4)
+    inputs = [held.step(0.0, 0.0, ahead) for ahead in (np.nan, 3.75, np.nan, 1.1, np.inf, 3.75)]
+    assert inputs == pytest.approx([2.4, 2.8, 3.2, 2.8, 2.4, 2.8])
+
+
+def test_no_reading_however_large_makes_an_input_that_is_no_number():
+    held = Follower(Gains(1.0, 0.5, RATE), 1.1, 3.75, rate=20.0, start=2.4)
+    inputs = [held.step(0.0, measured, 2.4) for measured in (-1.7e308, 1.7e308, 0.0, -1.7e308)]
+    assert np.isfinite(inputs).all()
+    assert np.abs(np.diff([2.4, *inputs])).max() <= 0.4 + 1e-12
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"rate": 0.0}, {"start": 9.0}, {"highest": 1.0}, {"highest": np.inf}, {"lowest": -np.inf}],
+)
 def test_limits_that_contradict_are_refused(options):
     given = {"lowest": LOWEST, "highest": HIGHEST, "rate": SPEED, "start": 2.4} | options
     with pytest.raises(InputError, match="start"):

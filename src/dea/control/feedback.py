@@ -1,7 +1,7 @@
 """A proportional-integral controller with feedforward, tuned for every response in a band."""
 
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,7 +138,7 @@ class FilteredError:
         The caller adds that to ``integral`` unless the actuator is at a limit.
         """
         growth = 0.0
-        if isfinite(error):
+        if isfinite(error - self._filtered):
             self._filtered += self._new * (error - self._filtered)
             growth = self._of_integral * self._filtered
         return self.integral + growth + self._proportional * self._filtered, growth
@@ -170,10 +170,11 @@ class Follower:
     start: float
     _feedback: FilteredError = field(init=False)
     _last: float = field(init=False)
+    _ahead: float = field(init=False)
 
     def __post_init__(self) -> None:
         if not (
-            self.lowest < self.highest
+            -inf < self.lowest < self.highest < inf
             and self.lowest <= self.start <= self.highest
             and self.rate > 0.0
         ):
@@ -181,9 +182,10 @@ class Follower:
                 f"inputs from {self.lowest:g} to {self.highest:g} at {self.rate:g} per second,"
                 f" from {self.start:g} on",
                 field="lowest, highest, rate, start",
-                remedy="Let the start lie between rising limits, and the rate be positive.",
+                remedy="Let the start lie between finite limits that rise, at a positive rate.",
             )
-        self._last, self._feedback = self.start, FilteredError(self.gains)
+        self._last = self._ahead = self.start
+        self._feedback = FilteredError(self.gains)
 
     def step(self, reference: float, measured: float, feedforward: float) -> float:
         """Return the input of this sample.
@@ -194,12 +196,14 @@ class Follower:
             Output wanted now, and measured now; NaN where the sensor gave none: the feedback then
             stays as it is.
         feedforward
-            Input that a model has for the reference.
+            Input that a model has for the reference; where it is not finite the last one is kept.
         """
         added, growth = self._feedback.take(reference - measured)
         reach = self.rate / self.gains.sampling_rate
         low, high = max(self.lowest, self._last - reach), min(self.highest, self._last + reach)
-        wanted = feedforward + added
+        if isfinite(feedforward):
+            self._ahead = feedforward
+        wanted = self._ahead + added
         if low <= wanted <= high or (wanted > high) == (growth < 0.0):
             self._feedback.integral += growth
         self._last = min(max(wanted, low), high)
