@@ -247,6 +247,8 @@ def test_the_inverse_is_exact_or_the_nearer_limit():
     assert inverse_input(predict, -1e3, 8, LOWEST, HIGHEST, near=2.4) == LOWEST
     with pytest.raises(InputError, match="horizon"):
         inverse_input(predict, 0.5, 0, LOWEST, HIGHEST, near=2.4)
+    with pytest.raises(InputError, match="finite limits"):
+        inverse_input(predict, 0.5, 8, LOWEST, np.inf, near=2.4)
 
 
 def test_of_several_inputs_it_is_the_one_nearest_to_the_last():

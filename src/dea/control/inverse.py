@@ -42,15 +42,16 @@ def inverse_input(
     Raises
     ------
     InputError
-        If the horizon is no sample, the limits do not rise, or the prediction diverges throughout.
+        If the horizon is no sample, the limits are not finite or do not rise, or the prediction
+        diverges throughout.
     """
     from scipy.optimize import brentq
 
-    if horizon < 1 or not lowest < highest:
+    if horizon < 1 or not -np.inf < lowest < highest < np.inf:
         raise InputError(
             f"a horizon of {horizon} samples, inputs from {lowest:g} to {highest:g}",
             field="horizon, lowest, highest",
-            remedy="Take a sample or more, and limits that rise.",
+            remedy="Take a sample or more, and finite limits that rise.",
         )
 
     def error(u: float) -> float:
