@@ -80,6 +80,19 @@ def test_a_falling_response_gets_a_negative_gain():
 
 
 @pytest.mark.parametrize(
+    ("change", "field"),
+    [({"proportional": np.nan}, "proportional"), ({"integral_time": 0.0}, "integral_time"),
+     ({"integral_time": np.nan}, "integral_time"), ({"filter_time": -0.02}, "filter_time"),
+     ({"sampling_rate": -50.0}, "sampling_rate"), ({"sampling_rate": np.nan}, "sampling_rate"),
+     ({"sampling_rate": 0.0}, "sampling_rate")],
+)  # fmt: skip
+def test_gains_out_of_range_are_refused(change, field):
+    with pytest.raises(InputError) as refused:
+        Gains(**{"proportional": 1.0, "integral_time": 0.5, "sampling_rate": RATE} | change)
+    assert refused.value.field == field
+
+
+@pytest.mark.parametrize(
     ("options", "field"),
     [({"integral_time": 0.0}, "integral_time"),
      ({"integral_time": 1.0, "filter_time": -0.02}, "filter_time"),

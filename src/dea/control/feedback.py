@@ -1,6 +1,6 @@
 """A proportional-integral controller with feedforward, tuned for every response in a band."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
 import numpy as np
@@ -19,12 +19,27 @@ class Gains:
     """C(z) = K (1 + (T/Ti) z/(z - 1)) / (1 + (Tf/T) (1 - 1/z)), a controller of a filtered error.
 
     ``proportional`` is K, ``integral_time`` Ti and ``filter_time`` Tf in s.
+
+    Raises
+    ------
+    InputError
+        If one is out of range.
     """
 
     proportional: float
     integral_time: float
     sampling_rate: float
     filter_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_rate(self.sampling_rate)
+        for name, possible, remedy in (
+            ("proportional", isfinite(self.proportional), "Give a finite number."),
+            ("integral_time", 0.0 < self.integral_time < inf, "Give it in s, above 0."),
+            ("filter_time", 0.0 <= self.filter_time < inf, "Give it in s; 0 is no filter."),
+        ):
+            if not possible:
+                raise InputError(f"it is {getattr(self, name):g}", field=name, remedy=remedy)
 
     def response(self, frequencies: Array) -> NDArray[np.complex128]:
         """Return C at these frequencies in Hz."""
@@ -71,16 +86,10 @@ def tune_feedback(
     InputError
         If there is no band, or a setting is out of range, or no gain keeps the margins.
     """
-    check_rate(sampling_rate)
-    for name, value, least in (
-        ("integral_time", integral_time, 0.0),
-        ("largest_sensitivity", largest_sensitivity, 1.0),
-    ):
-        if not least < value < np.inf:
-            raise InputError(f"it is {value:g}", field=name, remedy=f"It is above {least:g}.")
-    if not 0.0 <= filter_time < np.inf:
+    of_one = Gains(1.0, integral_time, sampling_rate, filter_time)
+    if not 1.0 < largest_sensitivity < inf:
         raise InputError(
-            f"it is {filter_time:g}", field="filter_time", remedy="Give it in s; 0 is no filter."
+            f"it is {largest_sensitivity:g}", field="largest_sensitivity", remedy="It is above 1."
         )
     if not np.all(np.isfinite(band.gain_high)):
         raise InputError(
@@ -88,7 +97,7 @@ def tune_feedback(
             field="band",
             remedy="Take an estimate whose covariance holds: docs/method/bands.md.",
         )
-    shape = Gains(1.0, integral_time, sampling_rate, filter_time).response(frequencies)
+    shape = of_one.response(frequencies)
     sign = float(np.sign(band.response[0].real))
     unit = sign / float(band.gain[0])
     kept = 0.0
@@ -102,7 +111,7 @@ def tune_feedback(
             field="band",
             remedy="Identify from a longer record, or accept a larger sensitivity.",
         )
-    return Gains(kept * unit, integral_time, sampling_rate, filter_time)
+    return replace(of_one, proportional=kept * unit)
 
 
 def _nearest(controller: NDArray[np.complex128], band: ResponseBand) -> Array:
