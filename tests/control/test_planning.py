@@ -1,5 +1,7 @@
 """The inverse along a reference: against closed forms, brute force and the model itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -7,7 +9,7 @@ from scipy.optimize import minimize
 from dea.control import RecedingHorizonInverse, inverse_of
 from dea.control.planning_kernels import output_and_slopes
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling
+from dea.narx import Labels, NarxModel, Scaling
 from dea.terms import Term
 from published_plants import published_plants
 
@@ -23,7 +25,7 @@ LINEAR = NarxModel(
 
 def inverse(model=PLANT, **changes):
     settings = {"horizon": 12, "smoothness": 1e-4, "lowest": 1.4, "highest": 3.4, "rate": 40.0}
-    return RecedingHorizonInverse(model, sampling_rate=RATE, **settings | changes)
+    return RecedingHorizonInverse(model, **{"sampling_rate": RATE} | settings | changes)
 
 
 def rest(model, u):
@@ -98,7 +100,19 @@ def test_a_model_that_diverges_gives_no_input():
         inverse_of(chosen, np.full(5, 0.5), 2.4, 0.9)
 
 
-@pytest.mark.parametrize("change", [{"horizon": 2}, {"smoothness": 0.0}, {"lowest": 4.0}])
+@pytest.mark.parametrize("rate", [100.0, -50.0, np.nan, 0.0])
+def test_a_sampling_rate_that_is_not_the_models_is_refused(rate):
+    of_50_hz = replace(PLANT, labels=Labels(sampling_rate=50.0))
+    with pytest.raises(InputError, match="sampling_rate"):
+        inverse(of_50_hz, sampling_rate=rate)
+    assert inverse(of_50_hz).horizon == 12
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"horizon": 2}, {"smoothness": 0.0}, {"smoothness": np.inf}, {"lowest": 4.0},
+     {"lowest": -np.inf}, {"highest": np.inf}, {"rate": np.nan}],
+)  # fmt: skip
 def test_settings_out_of_range_are_refused(change):
     with pytest.raises(InputError):
         inverse(**change)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from dea.control.limits import InputLimits
 from dea.control.planning_kernels import Equation, improve
 from dea.errors import InputError
-from dea.narx import NarxModel, padded_lags
+from dea.narx import NarxModel, padded_lags, rate_of
 from dea.tracking import with_constant
 
 Array = NDArray[np.float64]
@@ -35,12 +35,12 @@ class RecedingHorizonInverse:
     lowest, highest, rate
         Of the input, in its units, the last per second.
     sampling_rate
-        In Hz.
+        In Hz, that of the model's own record where it knows it.
 
     Raises
     ------
     InputError
-        If a setting is out of range.
+        If a setting is out of range, or the rate not the model's own.
     """
 
     def __init__(
@@ -54,12 +54,13 @@ class RecedingHorizonInverse:
         rate: float,
         sampling_rate: float,
     ) -> None:
-        if horizon < 3 or not (smoothness > 0.0 and lowest < highest and rate > 0.0):
+        limited = -np.inf < lowest < highest < np.inf and rate > 0.0
+        if horizon < 3 or not (0.0 < smoothness < np.inf and limited):
             raise InputError(
                 f"a horizon of {horizon}, smoothness {smoothness:g}, inputs from {lowest:g} to"
                 f" {highest:g} at {rate:g} per second",
                 field="horizon, smoothness, lowest, highest, rate",
-                remedy="Take three samples or more, limits that rise, and positive numbers.",
+                remedy="Take three samples or more, finite limits that rise, positive numbers.",
             )
         self.model, self.horizon, self._smoothness = with_constant(model), horizon, smoothness
         self._scaling = scaling = model.of_one_input("A controller")
@@ -71,7 +72,8 @@ class RecedingHorizonInverse:
         )
         ends = np.array([lowest, highest])
         low, high = ((ends - scaling.u_offset) / scaling.u_scale).tolist()
-        self._limits = InputLimits(low, high, rate / sampling_rate / scaling.u_scale)
+        step = rate / rate_of(model.labels, sampling_rate)
+        self._limits = InputLimits(low, high, step / scaling.u_scale)
         self._past = max(self.model.max_lag, 2)  # the second differences reach back so far
         self._u, self._y = np.zeros((2, self._past + horizon))
 
