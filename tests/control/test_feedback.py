@@ -105,11 +105,51 @@ def test_settings_out_of_range_are_refused(options, field):
     assert refused.value.field == field
 
 
-def test_without_a_band_there_is_no_tuning():
+@pytest.mark.parametrize("end", ["gain_low", "gain_high", "phase_low", "phase_high"])
+def test_without_a_band_at_some_frequency_there_is_no_tuning(end):
     band = wide_band(PLANT)
-    withheld = band._replace(gain_high=np.full_like(band.gain, np.nan))
+    missing = np.where(np.arange(FREQUENCIES.size) == 50, np.nan, getattr(band, end))
     with pytest.raises(InputError, match="no band"):
-        tune_feedback(withheld, FREQUENCIES, RATE, integral_time=1.0)
+        tune_feedback(band._replace(**{end: missing}), FREQUENCIES, RATE, integral_time=1.0)
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        np.concatenate([[0.0], FREQUENCIES[1:]]),
+        FREQUENCIES[::-1],
+        np.concatenate([FREQUENCIES[:-1], [26.0]]),
+        np.concatenate([FREQUENCIES[:-1], [np.nan]]),
+        FREQUENCIES[:-1],
+        FREQUENCIES[:, None],
+    ],
+    ids=["from 0 Hz", "falling", "above half the rate", "nan", "one too few", "column"],
+)
+def test_frequencies_that_are_not_those_of_a_loop_are_refused(chosen):
+    with pytest.raises(InputError) as refused:
+        tune_feedback(wide_band(PLANT), chosen, RATE, integral_time=0.5)
+    assert refused.value.field == "frequencies"
+
+
+@pytest.mark.parametrize(
+    ("kept", "integral_time"), [(FREQUENCIES < 5.0, 0.5), (FREQUENCIES > 1.0, 1.0)]
+)
+def test_a_band_that_leaves_out_where_the_loop_may_be_unstable_is_refused(kept, integral_time):
+    part = ResponseBand(*(each[kept] for each in wide_band(PLANT)))
+    with pytest.raises(InputError) as refused:
+        tune_feedback(part, FREQUENCIES[kept], RATE, integral_time=integral_time)
+    assert refused.value.field == "frequencies"
+
+
+@pytest.mark.parametrize(("gain", "problem"), [(0.0, "no sign"), (1.0, "no gain .* too large")])
+def test_a_response_that_bounds_no_gain_is_refused(gain, problem):
+    """PI control of a constant, without delay, is stable at every gain."""
+    ends = np.full(FREQUENCIES.size, gain)
+    level = np.zeros(FREQUENCIES.size)
+    band = ResponseBand(ends.astype(complex), ends, ends, level, level)
+    with pytest.raises(InputError, match=problem) as refused:
+        tune_feedback(band, FREQUENCIES, RATE, integral_time=0.5)
+    assert refused.value.field == "band"
 
 
 @pytest.fixture(scope="module")

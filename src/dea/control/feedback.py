@@ -12,6 +12,7 @@ from dea.narx import check_rate
 
 Array = NDArray[np.float64]
 _GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowest frequency
+_TO = 0.9  # part of half the sampling rate up to which a loop is looked at, at least
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def tune_feedback(
     band
         Of H1 at ``frequencies``, shape (k,): :func:`dea.frequency_response_band`.
     frequencies
-        In Hz, rising, from well below 1/integral_time to half the sampling rate.
+        In Hz, rising, shape (k,), from well below 1/integral_time to half the sampling rate.
     integral_time
         Ti in s; about the time in which the system settles.
     filter_time
@@ -84,14 +85,16 @@ def tune_feedback(
     Raises
     ------
     InputError
-        If there is no band, or a setting is out of range, or no gain keeps the margins.
+        If there is no band, or frequencies or a setting are out of range, or no gain keeps the
+        margins, or all do.
     """
     of_one = Gains(1.0, integral_time, sampling_rate, filter_time)
     if not 1.0 < largest_sensitivity < inf:
         raise InputError(
             f"it is {largest_sensitivity:g}", field="largest_sensitivity", remedy="It is above 1."
         )
-    if not np.all(np.isfinite(band.gain_high)):
+    _check_frequencies(frequencies, band, of_one)
+    if not all(np.isfinite(part).all() for part in band):
         raise InputError(
             "the response has no band at some frequency",
             field="band",
@@ -99,12 +102,24 @@ def tune_feedback(
         )
     shape = of_one.response(frequencies)
     sign = float(np.sign(band.response[0].real))
+    if not sign:
+        raise InputError(
+            "the response at the lowest frequency has no sign",
+            field="band",
+            remedy="Take an operating point at which the output changes with the input.",
+        )
     unit = sign / float(band.gain[0])
     kept = 0.0
     for gain in _GAINS:
         if _nearest(gain * unit * shape, band).min() < 1.0 / largest_sensitivity:
             break
         kept = gain
+    else:
+        raise InputError(
+            f"no gain up to {_GAINS[-1]:g} over that of the response is too large",
+            field="band",
+            remedy="Give the response with all its delay, and at all its frequencies.",
+        )
     if not kept:
         raise InputError(
             "the band is too wide for any feedback with these margins",
@@ -112,6 +127,26 @@ def tune_feedback(
             remedy="Identify from a longer record, or accept a larger sensitivity.",
         )
     return replace(of_one, proportional=kept * unit)
+
+
+def _check_frequencies(frequencies: Array, band: ResponseBand, gains: Gains) -> None:
+    """Refuse frequencies that leave out where a loop of these gains may come near -1."""
+    half, size = 0.5 * gains.sampling_rate, band.response.size
+    steps = np.diff(frequencies, prepend=0.0) if np.shape(frequencies) == (size,) else np.zeros(1)
+    if not np.all(steps > 0.0):
+        raise InputError(
+            "they are not rising from above 0 Hz, one for each value of the band",
+            field="frequencies",
+            remedy=f"Give the {size} frequencies of the band, in Hz.",
+        )
+    low, high = float(frequencies[0]), float(frequencies[-1])
+    if not (low * gains.integral_time < 1.0 and _TO * half <= high <= half):
+        raise InputError(
+            f"they go from {low:g} to {high:g} Hz",
+            field="frequencies",
+            remedy=f"Begin well below {1.0 / gains.integral_time:g} Hz, 1/integral_time, and end"
+            f" at {half:g} Hz, half the sampling rate, or a little below.",
+        )
 
 
 def _nearest(controller: NDArray[np.complex128], band: ResponseBand) -> Array:
