@@ -91,6 +91,15 @@ def test_limits_and_rate_are_kept_where_the_reference_is_out_of_reach():
     assert np.abs(np.diff(np.concatenate([[2.4], u]))).max() <= 5.0 / RATE + 1e-12
 
 
+@pytest.mark.parametrize("start", [3.5, 1.3, np.nan])
+def test_a_rest_outside_the_limits_is_refused(start):
+    """From there an input is within the limits or within the rate, and cannot be both."""
+    with pytest.raises(InputError, match=r"it rests at .*from 1\.4 to 3\.4") as refused:
+        inverse().rest(start, rest(PLANT, 2.4))
+    assert refused.value.field == "u"
+    inverse().rest(3.4, rest(PLANT, 3.4))
+
+
 def test_a_model_that_diverges_gives_no_input():
     wild = NarxModel((Term.parse("y(t-1)"), Term.parse("u(t-1)")), np.array([9.0, 1.0]), SCALING)
     chosen = inverse(wild)

@@ -70,15 +70,28 @@ class RecedingHorizonInverse:
             padded_lags([term.y_lags for term in terms]),
             padded_lags([term.u_lags for term in terms]),
         )
-        ends = np.array([lowest, highest])
-        low, high = ((ends - scaling.u_offset) / scaling.u_scale).tolist()
+        self._ends = lowest, highest
+        low, high = ((end - scaling.u_offset) / scaling.u_scale for end in self._ends)
         step = rate / rate_of(model.labels, sampling_rate)
         self._limits = InputLimits(low, high, step / scaling.u_scale)
         self._past = max(self.model.max_lag, 2)  # the second differences reach back so far
         self._u, self._y = np.zeros((2, self._past + horizon))
 
     def rest(self, u: float, y: float) -> None:
-        """Begin at a constant input and output."""
+        """Begin at a constant input and output.
+
+        Raises
+        ------
+        InputError
+            If the input is outside its limits.
+        """
+        lowest, highest = self._ends
+        if not lowest <= u <= highest:
+            raise InputError(
+                f"it rests at {u:g}, and inputs go from {lowest:g} to {highest:g}",
+                field="u",
+                remedy="Begin at an input within the limits.",
+            )
         self._u[:] = (u - self._scaling.u_offset) / self._scaling.u_scale
         self._y[:] = (y - self._scaling.y_offset) / self._scaling.y_scale
 
