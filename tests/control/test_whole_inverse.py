@@ -75,6 +75,34 @@ def test_limits_and_rate_are_kept():
     assert np.abs(np.diff(found.inputs)).max() <= 0.1 + 1e-12
 
 
+def test_inputs_to_begin_with_that_leave_the_limits_are_brought_within_them():
+    """They give the reference without an error, so that no step would change them."""
+    begun = np.concatenate([[1.0, 1.0], np.full(38, 5.0)])
+    reference = linear(begun)
+    reference[:2] = np.nan
+    limits = InputLimits(-2.0, 2.0, 0.25)
+    found = whole_inverse(linear, reference, begun, weight=1e-3, **FREE | {"limits": limits})
+    assert found.inputs.max() == 2.0
+    assert np.abs(np.diff(found.inputs)).max() <= 0.25 + 1e-12
+    assert np.array_equal(found.inputs[:2], begun[:2])
+    assert begun[2] == 5.0
+    with pytest.raises(InputError, match="begun"):
+        whole_inverse(linear, reference, begun + 1.5, weight=1e-3, **FREE | {"limits": limits})
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [({"limits": InputLimits(1.0, -1.0, 0.1)}, "limits"),
+     ({"limits": InputLimits(-np.inf, 1.0, 0.1)}, "limits"),
+     ({"limits": InputLimits(-1.0, 1.0, np.nan)}, "limits"), ({"memory": 0}, "memory")],
+)  # fmt: skip
+def test_settings_out_of_range_are_refused(change, field):
+    reference = np.concatenate([[np.nan, np.nan], np.ones(28)])
+    with pytest.raises(InputError) as refused:
+        whole_inverse(linear, reference, np.zeros(30), **{"weight": 1.0} | FREE | change)
+    assert refused.value.field == field
+
+
 def test_a_step_that_is_too_long_is_shortened():
     """Gauss-Newton on arctan from far off would jump further off."""
 

@@ -1,8 +1,11 @@
 """Limits of the input that a controller gives."""
 
+from math import inf
 from typing import NamedTuple
 
 from numba import njit
+
+from dea.errors import InputError
 
 
 class InputLimits(NamedTuple):
@@ -11,6 +14,15 @@ class InputLimits(NamedTuple):
     lowest: float
     highest: float
     step: float
+
+    def check(self) -> None:
+        """Refuse limits that are not finite or leave no input to choose."""
+        if not (-inf < self.lowest < self.highest < inf and self.step > 0.0):
+            raise InputError(
+                f"inputs from {self.lowest:g} to {self.highest:g}, {self.step:g} per sample",
+                field="limits",
+                remedy="Give finite limits that rise, and a positive change per sample.",
+            )
 
 
 @njit(cache=True)

@@ -48,7 +48,8 @@ def whole_inverse(
     reference
         Outputs wanted, (samples,); NaN before they begin, in two samples at least.
     begun
-        The inputs to begin with; those of the samples without a reference are kept.
+        The inputs to begin with. Those of the samples without a reference are kept, the others
+        first brought within the limits.
     memory
         Samples for which an input acts on the output.
     change
@@ -61,8 +62,12 @@ def whole_inverse(
     Raises
     ------
     InputError
-        If the simulation diverges on the way, or an output is wanted from the beginning.
+        If the simulation diverges on the way, an output is wanted from the beginning, or a setting
+        is out of range.
     """
+    limits.check()
+    if memory < 1:
+        raise InputError(f"it is {memory}", field="memory", remedy="Take a sample or more.")
     wanted = np.isfinite(reference)
     first = int(np.argmax(wanted))
     if first < 2:
@@ -72,13 +77,23 @@ def whole_inverse(
             remedy="Put two samples without one (NaN) before it.",
         )
 
+    kept = begun[:first]
+    if not np.all((limits.lowest <= kept) & (kept <= limits.highest)):
+        raise InputError(
+            f"its inputs before the reference go from {kept.min():g} to {kept.max():g}",
+            field="begun",
+            remedy=f"Keep them from {limits.lowest:g} to {limits.highest:g}, the limits.",
+        )
+
     def missing(inputs: Array) -> Array:
         return np.where(wanted, reference - simulate(inputs), 0.0)
 
     def cost(inputs: Array, error: Array) -> float:
         return float(error @ error + weight * np.sum(np.diff(inputs, 2) ** 2))
 
-    inputs, error = begun.copy(), missing(begun)
+    inputs = begun.copy()
+    _limit(inputs, first, limits)
+    error = missing(inputs)
     if not np.isfinite(error).all():
         raise _diverges(error)
     best = cost(inputs, error)
