@@ -1,5 +1,7 @@
 """The loop closed by the inverse of a tracked model, around plants with known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -130,6 +132,21 @@ def test_tracked_parameters_in_doubt_give_way_to_the_model(design, gains):
     _, y = close(controller, plant, 1000)
     assert controller.fallbacks == 1
     assert np.abs(y - controller.reference[:1000])[800:].max() < 0.05 * design.task.stroke
+
+
+@pytest.mark.parametrize("lowest", [1.405, 1.453, 1.454])
+def test_the_integral_does_not_wind_up_at_the_limit_of_the_voltage(design, gains, lowest):
+    """For nine seconds the output stays above a reference that the lowest voltage does not reach.
+
+    In the units of the equation and back, the first two limits are another number.
+    """
+    unreached = np.full_like(design.task.reference, design.rests[0][1] - 0.6 * design.task.stroke)
+    task = replace(design.task, reference=unreached, limits=(lowest, 3.75))
+    controller = replace(design, task=task).fixed(gains)
+    short = np.where(np.arange(600) < 150, 0.0, 0.1 * task.stroke)
+    inputs = np.array(outputs(controller, unreached[:600] + short))
+    assert (inputs[150:] == lowest).mean() > 0.9
+    assert abs(controller._feedback.integral) < 0.01 * task.stroke
 
 
 def plain_band(response):

@@ -91,6 +91,16 @@ def test_limits_and_rate_are_kept_where_the_reference_is_out_of_reach():
     assert np.abs(np.diff(np.concatenate([[2.4], u]))).max() <= 5.0 / RATE + 1e-12
 
 
+def test_at_a_limit_the_input_is_exactly_that():
+    """Rounding in the units of the equation would leave some limits by the last digit."""
+    for end in np.round(np.arange(0.01, 0.6, 0.01), 2).tolist():
+        plan = inverse(lowest=1.4 - end, highest=3.4 + end)
+        top = inverse_of(plan, np.full(12, rest(PLANT, 3.4) + 9.0), 2.4, rest(PLANT, 2.4))
+        low = inverse_of(plan, np.full(12, rest(PLANT, 1.4) - 9.0), 2.4, rest(PLANT, 2.4))
+        assert top.max() == 3.4 + end
+        assert low.min() == 1.4 - end
+
+
 @pytest.mark.parametrize("start", [3.5, 1.3, np.nan])
 def test_a_rest_outside_the_limits_is_refused(start):
     """From there an input is within the limits or within the rate, and cannot be both."""

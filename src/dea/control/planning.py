@@ -115,7 +115,16 @@ class RecedingHorizonInverse:
             self._smoothness,
             self._limits,
         )
-        return float(self._u[self._past] * scaling.u_scale + scaling.u_offset) if bounded else None
+        return self._restored(float(self._u[self._past])) if bounded else None
+
+    def _restored(self, u: float) -> float:
+        """Return an input in its units; at a limit exactly that, which rounding would miss."""
+        lowest, highest = self._ends
+        if u <= self._limits.lowest:
+            return lowest
+        if u >= self._limits.highest:
+            return highest
+        return min(max(u * self._scaling.u_scale + self._scaling.u_offset, lowest), highest)
 
     def advance(self) -> float:
         """Let the sample become the past; return the output that the model has at it."""
