@@ -125,6 +125,27 @@ def test_a_silent_sensor_and_an_output_that_does_not_follow_end_the_drive(design
         outputs(stuck, [design.task.reference[0]] * 60 + [5.0] * 500)
 
 
+@pytest.mark.parametrize("missing", [0, 1, 40])
+def test_a_sensor_that_is_silent_after_the_hold_delays_the_way_to_the_reference(
+    design, gains, missing
+):
+    hold, approach = design.task.run_in
+    plant = Plant(design.task.start, dropped=range(hold, hold + missing))
+    controller = design.adaptive(gains)
+    u, y = close(controller, plant, 1500)
+    assert np.all(u[: hold + missing] == design.task.start)
+    begun = controller.reference[hold + missing]
+    assert begun == pytest.approx(plant.y[9], abs=5 * NOISE)
+    arrived = slice(hold + missing + approach, None)
+    np.testing.assert_array_equal(controller.reference[arrived], design.task.reference[arrived])
+    assert error_of(design, controller, y) < 1.0
+
+
+def test_a_sensor_that_never_speaks_ends_the_drive(design, gains):
+    with pytest.raises(LostError, match="no reading for 101 samples"):
+        outputs(design.adaptive(gains), np.full(300, np.nan))
+
+
 def test_tracked_parameters_in_doubt_give_way_to_the_model(design, gains):
     jump = 0.5 * design.task.stroke
     plant = Plant(design.task.start, load=lambda k: jump if 600 < k < 604 else 0.0)

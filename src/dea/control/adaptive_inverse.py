@@ -29,9 +29,12 @@ class RunIn(NamedTuple):
     hold: int
     approach: int
 
-    def approached(self, reference: Array, measured: float) -> Array:
-        """Return the reference with a way to it from where the output is after the hold."""
-        way = least_jerk((np.arange(reference.size) - self.hold) / self.approach)
+    def approached(self, reference: Array, measured: float, late: int = 0) -> Array:
+        """Return the reference with a way to it from where the output is after the hold.
+
+        The way begins ``late`` samples later, where the output was not known before.
+        """
+        way = least_jerk((np.arange(reference.size) - self.hold - late) / self.approach)
         begun: Array = measured + (reference - measured) * way
         return begun
 
@@ -130,7 +133,9 @@ class AdaptiveInverse:
             self._tracker.update(self._last, measured)
             self._renew(self._tracker.parameters)
         if not self._ahead.size:
-            self._begin(measured)
+            if not isfinite(measured):
+                return self._task.start
+            self._begin(k, measured)
         elif isfinite(measured):
             self._feed_back(self._ahead[k - 1] - measured)
         self._last = self._plan_at(k)
@@ -166,10 +171,9 @@ class AdaptiveInverse:
             self._tracker = self._new_tracker(parameters)
         self._sum, self._summed = np.zeros(1), 0
 
-    def _begin(self, measured: float) -> None:
-        if not isfinite(measured):
-            raise LostError("the sensor gives no reading where the reference begins")
-        begun = self._task.run_in.approached(self._task.reference, measured)
+    def _begin(self, k: int, measured: float) -> None:
+        run_in = self._task.run_in
+        begun = run_in.approached(self._task.reference, measured, k - run_in.hold)
         self._ahead = np.concatenate([begun, np.full(self._inverse.horizon, begun[-1])])
         self._inverse.rest(self._task.start, measured)
 
