@@ -254,6 +254,9 @@ def test_a_drive_begins_with_the_first_reading_after_the_hold():
     assert inputs[:7] == [2.4] * 7
     assert np.isfinite(inputs).all()
     assert inputs[-1] > 2.4
+    # The way of five samples begins there: of the steps 0, 1/5 ... 1 that of 2/5 is 0.31744.
+    np.testing.assert_allclose(own.reference[6:10], [0.5, 0.5, 0.52896, 0.65872])
+    np.testing.assert_array_equal(own.reference[12:], 1.0)
 
 
 def test_a_sensor_that_drops_out_leaves_the_feedforward():

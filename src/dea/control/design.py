@@ -204,7 +204,7 @@ class FromStart:
         if k < hold or not (self.reference.size or np.isfinite(measured)):
             return self._task.start
         if not self.reference.size:
-            self.reference = self._task.run_in.approached(self._task.reference, measured)
+            self.reference = self._task.run_in.approached(self._task.reference, measured, k - hold)
         return self._follower.step(self.reference[k - 1], measured, self._task.start)
 
 
