@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dea
-from dea.control import ControllerDesign, LostError
+from dea.control import ControllerDesign, Gains, LostError
 from dea.control.design import loop_frequencies, rests_of
 from dea.control.through_inverse import inverse_response
 from dea.gfrf import ResponseBand
@@ -139,6 +139,13 @@ def test_a_sensor_that_is_silent_after_the_hold_delays_the_way_to_the_reference(
     arrived = slice(hold + missing + approach, None)
     np.testing.assert_array_equal(controller.reference[arrived], design.task.reference[arrived])
     assert error_of(design, controller, y) < 1.0
+
+
+@pytest.mark.parametrize("rate", [20.0, 50.0, 125.0])
+def test_two_seconds_are_two_seconds_at_any_rate(design, rate):
+    controller = replace(design, sampling_rate=rate).fixed(Gains(0.5, 0.1, rate, 0.2))
+    with pytest.raises(LostError, match=f"no reading for {round(2 * rate) + 1} samples"):
+        outputs(controller, np.full(1000, np.nan))
 
 
 def test_a_sensor_that_never_speaks_ends_the_drive(design, gains):

@@ -44,14 +44,14 @@ class Guard:
     """What the controller does where the output does not follow; errors are shares of the stroke.
 
     An error above ``doubt`` puts the model's own parameters in the place of the tracked ones, at
-    most once in ``patience`` samples. An error above ``lost`` for so long ends the drive, and so
+    most once in ``patience`` seconds. An error above ``lost`` for so long ends the drive, and so
     does a sensor that is silent for so long. ``authority`` bounds what the feedback adds to the
     reference.
     """
 
     doubt: float = 0.25
     lost: float = 0.5
-    patience: int = 100
+    patience: float = 2.0
     authority: float = 0.3
 
 
@@ -106,6 +106,7 @@ class AdaptiveInverse:
     ) -> None:
         self._inverse, self._task = inverse, task
         self._guard, self._renewal = guard or Guard(), renewal
+        self._patience = round(self._guard.patience * gains.sampling_rate)
         self._new_tracker = new_tracker
         self._tracker = new_tracker(None) if new_tracker is not None else None
         self._sum, self._summed = np.zeros(1), 0
@@ -125,7 +126,7 @@ class AdaptiveInverse:
         k = self._sample
         self._sample += 1
         self._silent = 0 if isfinite(measured) else self._silent + 1
-        if self._silent > self._guard.patience:
+        if self._silent > self._patience:
             raise LostError(f"the sensor has given no reading for {self._silent} samples")
         if k < self._task.run_in.hold:
             return self._task.start
@@ -189,13 +190,13 @@ class AdaptiveInverse:
 
     def _judge(self, share: float) -> None:
         self._off = self._off + 1 if share > self._guard.lost else 0
-        if self._off > self._guard.patience:
+        if self._off > self._patience:
             raise LostError(
                 f"the output has been off by more than {self._guard.lost:.0%} of the stroke for"
                 f" {self._off} samples"
             )
         self._trusted += 1
-        if share > self._guard.doubt and self._trusted > self._guard.patience:
+        if share > self._guard.doubt and self._trusted > self._patience:
             self._fall_back()
 
     def _fall_back(self) -> None:
