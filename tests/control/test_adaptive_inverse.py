@@ -182,12 +182,19 @@ def plain_band(response):
     return ResponseBand(response, gain, gain, phase, phase)
 
 
-def test_the_response_of_the_plan_is_that_of_its_simulation(design):
+AT_ONCE = NarxModel(  # y = 0.5 y(t-1) + 0.5 u(t), at rest at 2.4 and 0.5
+    (Term.parse("y(t-1)"), Term.parse("u(t)")), np.array([0.5, 0.5]), SCALING
+)
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+def test_the_response_of_the_plan_is_that_of_its_simulation(design, at_once):
     """A small sine added to the reference: amplitude and angle of the inputs."""
-    inverse, (u, y) = design.inverse(), design.rests[1]
+    chosen = replace(design, model=AT_ONCE, rests=3 * [(2.4, 0.5)]) if at_once else design
+    inverse, (u, y) = chosen.inverse(), chosen.rests[1]
     for frequency in (0.5, 3.0, 10.0):
         z = np.exp(2j * np.pi * np.array([frequency]) / RATE)
-        response = dea.frequency_response(design.model, 1, [frequency], RATE, operating_point=u)
+        response = dea.frequency_response(chosen.model, 1, [frequency], RATE, operating_point=u)
         expected = inverse_response(inverse, u, y, plain_band(response), z)[0]
         count = 500
         v = 1e-5 * np.exp(2j * np.pi * frequency * np.arange(count) / RATE)

@@ -65,6 +65,25 @@ def test_one_step_is_the_minimum_that_a_general_optimiser_finds():
     assert found == pytest.approx(best.x[0], abs=1e-6)
 
 
+def test_where_the_input_acts_at_once_the_plans_past_is_that_of_its_inputs():
+    model = NarxModel(
+        tuple(map(Term.parse, ("1", "y(t-1)", "u(t)", "u(t)^2"))),
+        np.array([0.0, 0.5, 0.5, 0.2]),
+        Scaling(0.0, 1.0, 0.0, 1.0),
+    )
+    plan = inverse(model, smoothness=1e-3, lowest=-1.0, highest=2.0, rate=1e3)
+    wanted = np.repeat([0.3, 1.1, 0.6, 0.9], 20)
+    ahead = np.concatenate([wanted, np.full(12, wanted[-1])])
+    plan.rest(0.0, 0.0)
+    y, errors = 0.0, []
+    for k in range(wanted.size):
+        u = plan.step(ahead[k : k + 12])
+        y = 0.5 * y + 0.5 * u + 0.2 * u**2
+        assert plan.advance() == pytest.approx(y, abs=1e-12)
+        errors.append(y - wanted[k])
+    assert np.sqrt(np.mean(np.square(errors))) < 0.05
+
+
 def test_slopes_agree_with_differences():
     rng = np.random.default_rng(1)
     lag = PLANT.max_lag

@@ -77,7 +77,8 @@ def improve(
     past
         Samples of ``y`` and ``u`` before the plan; as many as the largest lag, two at least.
     y, u
-        The past and then the plan, (past + n,): outputs are written, inputs are improved.
+        The past and then the plan, (past + n,): inputs are improved, and outputs written: those
+        of the inputs as they were, the first of them that of its input as it is then.
     reference
         Outputs wanted, (n,).
     smoothness
@@ -121,4 +122,6 @@ def improve(
     step = np.linalg.solve(normal, slope)
     for i in range(n):
         u[past + i] = limited(u[past + i] + step[i], u[past + i - 1], limits)
+    # The first output becomes the past of the next plan; where u(t) is in it, it has just changed.
+    y[past] = output_and_slopes(equation, y, u, past, a, b)
     return True
