@@ -305,6 +305,10 @@ def test_the_inverse_is_exact_or_the_nearer_limit():
         inverse_input(predict, 0.5, 0, LOWEST, HIGHEST, near=2.4)
     with pytest.raises(InputError, match="finite limits"):
         inverse_input(predict, 0.5, 8, LOWEST, np.inf, near=2.4)
+    for level in (np.nan, np.inf):
+        with pytest.raises(InputError) as refused:
+            inverse_input(predict, level, 8, LOWEST, HIGHEST, near=2.4)
+        assert refused.value.field == "reference"
 
 
 def test_of_several_inputs_it_is_the_one_nearest_to_the_last():
@@ -322,5 +326,8 @@ def test_an_input_that_diverges_is_not_taken():
 
     assert inverse_input(predict, 2.2, 1, 1.0, 4.0, near=1.0) == pytest.approx(2.2)
     assert inverse_input(predict, 9.0, 1, 1.0, 4.0, near=1.0) <= 3.0
+    # Nor is one whose prediction is no number.
+    assert inverse_input(lambda u: np.where(u < 1.3, np.nan, u), 0.0, 1, 1.0, 4.0, 2.0) == 1.375
+    assert inverse_input(lambda u: np.where(u > 3.0, np.nan, u), 9.0, 1, 1.0, 4.0, 2.0) == 2.875
     with pytest.raises(InputError, match="diverges at every input"):
         inverse_input(lambda u: np.full(u.size, np.inf), 0.0, 1, 1.0, 4.0, near=1.0)

@@ -42,8 +42,8 @@ def inverse_input(
     Raises
     ------
     InputError
-        If the horizon is no sample, the limits are not finite or do not rise, or the prediction
-        diverges throughout.
+        If the horizon is no sample, the limits are not finite or do not rise, the reference is not
+        finite, or the prediction diverges throughout.
     """
     from scipy.optimize import brentq
 
@@ -53,23 +53,28 @@ def inverse_input(
             field="horizon, lowest, highest",
             remedy="Take a sample or more, and finite limits that rise.",
         )
+    if not np.isfinite(reference):
+        raise InputError(
+            f"it is {reference:g}", field="reference", remedy="Give a finite output that is wanted."
+        )
 
     def error(u: float) -> float:
         return float(predict(np.full(horizon, u))[-1]) - reference
 
     inputs = np.linspace(lowest, highest, _TRIED)
     errors = np.array([error(u) for u in inputs])
-    if not np.isfinite(errors).any():
+    finite = np.isfinite(errors)
+    if not finite.any():
         raise InputError(
             "the prediction diverges at every input",
             field="predict",
             remedy="Check the model's stability, or narrow the limits.",
         )
     # The sign of an infinite error does not tell on which side of the reference it is.
-    bounded = np.isfinite(errors[:-1]) & np.isfinite(errors[1:])
+    bounded = finite[:-1] & finite[1:]
     crossed = np.flatnonzero(bounded & (np.signbit(errors[:-1]) != np.signbit(errors[1:])))
     if not crossed.size:
-        return float(inputs[np.argmin(np.abs(errors))])
+        return float(inputs[finite][np.argmin(np.abs(errors[finite]))])
     roots = [
         brentq(error, inputs[i], inputs[i + 1], xtol=1e-9 * (highest - lowest)) for i in crossed
     ]
