@@ -58,6 +58,17 @@ def test_a_violated_limit_or_rate_is_seen(volts, violated):
     assert bool(outcome.stopped) is (len(volts) < 60)
 
 
+def test_a_voltage_that_is_no_number_violates_a_limit():
+    assert control_robustness.violated([2.0, 2.1], TRIAL) is False
+    assert control_robustness.violated([2.0, np.nan, 2.0], TRIAL) is True
+    assert control_robustness.violated([2.0, np.nan], TRIAL) is True
+
+
+def test_an_error_that_is_no_number_is_off():
+    row = table([("undisturbed", Outcome(np.nan, False, ""))]).iloc[0]
+    assert row[["followed", "off", "stopped"]].tolist() == [0, 1, 0]
+
+
 def test_a_late_sample_and_a_dropped_sensor_reach_the_controller():
     task = replace(TASK, reference=np.full(700, 0.9))
     design = replace(TRIAL, task=task)
