@@ -215,6 +215,14 @@ def test_an_unknown_version_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", ["unit", "identity", "fmi2", "fmi3", "model", "Unit", "FMI3"])
+def test_a_name_of_the_wrappers_own_files_is_as_good_as_any(name, version, tmp_path):
+    path = tmp_path / "plant.fmu"
+    write_fmu(scaled("DEA1"), path, RATE, name=name, version=version)
+    assert validate_fmu(str(path)) == []
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 def test_the_same_model_gives_the_same_bytes(version, tmp_path):
     for name in ("a", "b"):
         write_fmu(scaled("DEA4"), tmp_path / name, RATE, version=version)

@@ -9,8 +9,8 @@ HEADER = """\
  * takes the same time. Inputs and outputs are in physical units, the state in those of the
  * equation. Generated from the model's file: change the model and generate again.
  */
-#ifndef {guard}_H
-#define {guard}_H
+#ifndef DEA_NARX_{guard}_H
+#define DEA_NARX_{guard}_H
 
 #include <stdbool.h>
 
