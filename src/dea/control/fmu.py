@@ -166,8 +166,9 @@ def _compiled(folder: Path, compiler: str, wrapper: str, name: str) -> Path:
         subprocess.run(called, cwd=folder, check=True, capture_output=True, text=True)
     except subprocess.CalledProcessError as error:
         said = (error.stderr or error.stdout).strip().splitlines() or [f"status {error.returncode}"]
+        told = next((line for line in said if "error:" in line), said[0])
         raise InputError(
-            f"{compiler} cannot compile it: {said[0]}",
+            f"{compiler} cannot compile it: {told}",
             field="compiler",
             remedy="Install the headers of the C library too (Debian: libc6-dev), or give None"
             " for sources alone.",
