@@ -9,6 +9,7 @@ import dea
 from dea.control import ControllerDesign, Gains, LostError
 from dea.control.design import loop_frequencies, rests_of
 from dea.control.through_inverse import inverse_response
+from dea.errors import InputError
 from dea.gfrf import ResponseBand
 from dea.narx import NarxModel, Scaling, estimate, refine
 from dea.terms import Term
@@ -27,13 +28,17 @@ SETTINGS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def design():
+def design_for(truth):
     rng = np.random.default_rng(4)
     coarse = np.interp(np.arange(6000), np.arange(0, 6000, 12), rng.uniform(1.6, 3.2, 500))
-    y = TRUTH.simulate(coarse) + NOISE * rng.standard_normal(coarse.size)
-    model = refine(estimate(TRUTH.terms, coarse, y, scaling=SCALING), coarse, y)
+    y = truth.simulate(coarse) + NOISE * rng.standard_normal(coarse.size)
+    model = refine(estimate(truth.terms, coarse, y, scaling=SCALING), coarse, y)
     return ControllerDesign.of_record(model, coarse, y, RATE, SETTINGS, 7)
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_for(TRUTH)
 
 
 @pytest.fixture(scope="module")
@@ -232,6 +237,13 @@ def test_rests_are_those_of_the_simulation(design):
     for u, y in rests_of(design.model, (1.6, 3.2), wanted):
         assert design.model.simulate(np.full(4000, u))[-1] == pytest.approx(y, abs=1e-6)
         assert np.abs(wanted - y).min() < 0.01 * (high - low)
+
+
+def test_an_output_that_falls_with_the_input_is_refused():
+    falling = np.where([not term.u_lags for term in TRUTH.terms], PARAMETERS, -PARAMETERS)
+    with pytest.raises(InputError, match="rests at no output") as refused:
+        design_for(NarxModel(TRUTH.terms, falling, SCALING))
+    assert refused.value.field == "model"
 
 
 def test_the_same_run_twice(design, gains):

@@ -15,6 +15,7 @@ from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import InverseInputs, whole_inverse
+from dea.errors import InputError
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
 from dea.missing import filled
 from dea.narx import NarxModel
@@ -71,7 +72,8 @@ class ControllerDesign:
         Raises
         ------
         InputError
-            If the record's minutes have no range in common.
+            If the record's minutes have no range in common, or the model has no rests there at
+            which its output rises with its input.
         """
         chosen = settings["reference"]
         reach = reach_of(y, sampling_rate, (chosen["shares"][0], chosen["shares"][1]))
@@ -221,6 +223,11 @@ def rests_of(
     """Return input and output of the model's rests nearest to these outputs, each once.
 
     Only rests between the limits count at which the output rises with the input.
+
+    Raises
+    ------
+    InputError
+        If there are none.
     """
     inputs = np.linspace(*limits, _TRIED)
     found = np.array(
@@ -230,7 +237,13 @@ def rests_of(
         ]
     )
     rising = np.flatnonzero(np.diff(found) > 0.0)
-    nearest = {int(rising[np.argmin(np.abs(found[rising] - y))]) for y in outputs if rising.size}
+    if not rising.size:
+        raise InputError(
+            f"it rests at no output that rises with inputs from {limits[0]:g} to {limits[1]:g}",
+            field="model",
+            remedy="Identify it from a record that reaches as far, of an output that rises.",
+        )
+    nearest = {int(rising[np.argmin(np.abs(found[rising] - y))]) for y in outputs}
     return [(float(inputs[k]), float(found[k])) for k in sorted(nearest)]
 
 
