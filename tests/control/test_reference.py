@@ -42,6 +42,18 @@ def test_the_sine_and_the_noise_hold_only_their_frequencies():
     assert np.fft.rfftfreq(900, 1 / RATE)[peak] == pytest.approx(0.5, abs=0.06)
 
 
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [({"turn": 2.0, "frequency": 0.2}, "frequency"), ({"turn": 0.005}, "turn"),
+     ({"turn": 0.02, "hold": 0.02}, "frequency"), ({"turn": np.nan}, "turn"),
+     ({"hold": 21.0}, "hold")],
+)  # fmt: skip
+def test_a_turn_in_which_nothing_fits_is_refused(change, field):
+    with pytest.raises(InputError) as refused:
+        design_reference(REACH, 600, RATE, 1, **SHAPE | change)
+    assert refused.value.field == field
+
+
 def test_the_reach_is_common_to_every_minute():
     y = np.concatenate([np.linspace(0.5, 1.5, 3000), np.linspace(0.9, 2.0, 3000)])
     y[7] = np.nan

@@ -74,8 +74,21 @@ def design_reference(
         Time from step to step, and of each, in s.
     frequency
         Of the sine, and half the band of the noise, in Hz.
+
+    Raises
+    ------
+    InputError
+        If a turn is no sample, or holds no step or no period of the noise.
     """
     rng = np.random.default_rng(seed)
+    if not turn * sampling_rate >= 1.0:
+        raise InputError(
+            f"{turn:g} s are no sample at {sampling_rate:g} Hz", field="turn", remedy="Lengthen it."
+        )
+    if not hold <= turn:
+        raise InputError(
+            f"steps take {hold:g} s, and turns {turn:g} s", field="hold", remedy="Shorten it."
+        )
     length = round(turn * sampling_rate)
     time = np.arange(length) / sampling_rate
     fade = least_jerk(time) * least_jerk(turn - time)
@@ -114,6 +127,12 @@ def _noise(length: int, sampling_rate: float, band: float, rng: np.random.Genera
     frequencies = np.fft.rfftfreq(length, 1.0 / sampling_rate)
     phases = rng.uniform(0.0, 2.0 * np.pi, frequencies.size)
     inside = (frequencies > 0.0) & (frequencies <= band)
+    if not inside.any():
+        raise InputError(
+            f"noise up to {band:g} Hz has no period in {length / sampling_rate:g} s",
+            field="frequency",
+            remedy="Raise it, or lengthen the turns.",
+        )
     noise = np.fft.irfft(np.where(inside, np.exp(1j * phases), 0.0), length)
     scaled: Array = noise / np.abs(noise).max()
     return scaled
