@@ -49,6 +49,8 @@ def test_a_case_overrides_sections_key_by_key(file):
     [
         (["actuators", 0, "acquisition"], {"mode": "polled"}, "actuators[0].acquisition",
          "unknown key 'acquisition'. It goes beside `actuators`, not into it"),
+        (["control", "reference", "frequency"], 0.02, "control.reference.frequency",
+         "noise up to 0.04 Hz has no period in the 20 s of a turn"),
         (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
         (["identification", "y_lags"], [1, 1], "identification.y_lags", "names one value twice"),
         (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),
@@ -308,6 +310,9 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
         (["validation", "before"], 0.18, "validation.before", "hold 9 samples"),
         (["forecast", "window"], 0.18, "forecast.window", "hold 9 samples"),
         (["validation", "max_lag"], 750, "validation.max_lag", "holds 1500 at the 50 Hz of"),
+        (["control", "hold"], 0.02, "control.hold", "it takes 2, and 0.02 s hold 1 at the 50 Hz"),
+        (["control", "approach"], 0.005, "control.approach", "it takes 1, and 0.005 s hold 0"),
+        (["control", "reference", "rise"], 0.005, "control.reference.rise", "0.005 s hold 0"),
     ],
 )
 def test_what_the_rate_of_a_device_does_not_allow_is_refused(

@@ -35,6 +35,13 @@ class Reference(Section):
             raise refuse("shares", f"they are {self.shares}", "Give the smaller one first.")
         if not self.rise <= self.hold <= self.turn:
             raise refuse("rise", "it is not within hold, or hold not within turn", "Shorten it.")
+        if 2.0 * self.frequency * self.turn < 1.0:
+            raise refuse(
+                "frequency",
+                f"noise up to {2.0 * self.frequency:g} Hz has no period in the {self.turn:g} s of a"
+                " turn",
+                "Raise it, or lengthen turn.",
+            )
         return self
 
 

@@ -11,7 +11,7 @@ _PER_LAG = 3  # samples of a stretch for each lag, as in dea.missing.stretches
 
 
 def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) -> None:
-    """Check that excitations and stretches of the study's record suit a device's rate in Hz.
+    """Check that the study's excitations, stretches of its record and references suit a rate in Hz.
 
     Raises
     ------
@@ -36,6 +36,15 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
                 field=field,
                 remedy="Lengthen it, or take smaller lags.",
             )
+    for field, length, least in _drives(study):
+        samples = round(length * rate)
+        if samples < least:
+            raise InputError(
+                f"it takes {least}, and {length:g} s hold {samples} at the {rate:g} Hz of {device}",
+                file=file,
+                field=field,
+                remedy="Lengthen it.",
+            )
     for first, last in study.validation.windows:
         samples = round((last - first) * rate)
         if samples <= 2 * study.validation.max_lag:
@@ -55,6 +64,14 @@ def _frequencies(study: Study) -> Iterator[tuple[str, float]]:
             yield f"excitation.{name}.band", band
     if study.excitation.probing is not None:
         yield "excitation.probing.highest", study.excitation.probing.highest
+
+
+def _drives(study: Study) -> Iterator[tuple[str, float, int]]:
+    """Yield field, length in s and fewest samples of what a controller does one after the other."""
+    reference = study.control.reference
+    yield "control.hold", study.control.hold, 2  # which the inverse of a simulation needs before
+    yield "control.approach", study.control.approach, 1
+    yield "control.reference.rise", reference.rise, 1  # the shortest of a reference
 
 
 def _stretches(study: Study) -> Iterator[tuple[str, float, int]]:
