@@ -129,6 +129,33 @@ def test_a_rest_outside_the_limits_is_refused(start):
     inverse().rest(3.4, rest(PLANT, 3.4))
 
 
+@pytest.mark.parametrize("wanted", [np.nan, np.inf])
+def test_a_reference_that_is_no_number_is_refused_and_the_plan_stays(wanted):
+    plan, ahead = inverse(), np.full(12, rest(PLANT, 2.6))
+    plan.rest(2.4, rest(PLANT, 2.4))
+    with pytest.raises(InputError) as refused:
+        plan.step(np.where(np.arange(12) == 5, wanted, ahead))
+    assert refused.value.field == "reference"
+    other = inverse()
+    other.rest(2.4, rest(PLANT, 2.4))
+    assert plan.step(ahead) == other.step(ahead)
+
+
+@pytest.mark.parametrize("reference", [np.empty(0), np.ones((3, 2)), np.array([0.5, np.nan])])
+def test_a_reference_that_is_none_is_refused(reference):
+    with pytest.raises(InputError) as refused:
+        inverse_of(inverse(), reference, 2.4, rest(PLANT, 2.4))
+    assert refused.value.field == "reference"
+
+
+@pytest.mark.parametrize("samples", [11, 13])
+def test_a_reference_of_another_length_than_the_horizon_is_refused(samples):
+    plan = inverse()
+    plan.rest(2.4, rest(PLANT, 2.4))
+    with pytest.raises(InputError, match="of 12 finite numbers"):
+        plan.step(np.full(samples, 0.5))
+
+
 def test_a_model_that_diverges_gives_no_input():
     wild = NarxModel((Term.parse("y(t-1)"), Term.parse("u(t-1)")), np.array([9.0, 1.0]), SCALING)
     chosen = inverse(wild)

@@ -104,7 +104,18 @@ class RecedingHorizonInverse:
             Output wanted at this sample and the next ones, shape (horizon,).
         parameters
             Of ``model``, shape (terms,), where they are others than its own.
+
+        Raises
+        ------
+        InputError
+            If the reference is of another length, or not finite.
         """
+        if reference.shape != (self.horizon,) or not np.isfinite(reference).all():
+            raise InputError(
+                _described(reference),
+                field="reference",
+                remedy=f"Give the horizon of {self.horizon} finite numbers.",
+            )
         scaling = self._scaling
         bounded = improve(
             self.equation if parameters is None else self.equation._replace(theta=parameters),
@@ -158,8 +169,15 @@ def inverse_of(inverse: RecedingHorizonInverse, reference: Array, u: float, y: f
     Raises
     ------
     InputError
-        If the model diverges on the way.
+        If the model diverges on the way, the reference is empty or not finite, or the rest outside
+        the limits.
     """
+    if not (reference.ndim == 1 and reference.size and np.isfinite(reference).all()):
+        raise InputError(
+            _described(reference),
+            field="reference",
+            remedy="Give the output wanted at each sample.",
+        )
     inverse.rest(u, y)
     ahead = np.concatenate([reference, np.full(inverse.horizon, reference[-1])])
     inputs = np.empty(reference.size)
@@ -174,3 +192,7 @@ def inverse_of(inverse: RecedingHorizonInverse, reference: Array, u: float, y: f
         inputs[k] = found
         inverse.advance()
     return inputs
+
+
+def _described(signal: Array) -> str:
+    return f"it is of shape {signal.shape}, with {np.isfinite(signal).sum()} finite values"
