@@ -76,3 +76,7 @@ def test_a_minute_without_a_reading_does_not_count():
     assert reach_of(gappy, RATE, (0.0, 1.0)) == reach_of(y, RATE, (0.0, 1.0))
     with pytest.raises(InputError, match="it has no reading"):
         reach_of(np.full(y.size, np.nan), RATE, (0.0, 1.0))
+    with pytest.raises(InputError, match="it has no reading"):
+        reach_of(np.empty(0), RATE, (0.0, 1.0))
+    with pytest.raises(InputError, match="sampling_rate"):
+        reach_of(y, np.nan, (0.0, 1.0))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.errors import InputError
+from dea.narx import check_rate
 
 Array = NDArray[np.float64]
 STRETCH = 60.0  # s of a record, in each of which the actuator was where the reference goes
@@ -36,9 +37,10 @@ def reach_of(y: Array, sampling_rate: float, shares: tuple[float, float]) -> Rea
     Raises
     ------
     InputError
-        If the minutes of the record have no range in common.
+        If the record has no reading, its minutes no range in common, or the rate is not positive.
     """
-    length = min(round(STRETCH * sampling_rate), y.size)
+    check_rate(sampling_rate)
+    length = max(1, min(round(STRETCH * sampling_rate), y.size))
     rows = y[: y.size // length * length].reshape(-1, length)
     rows = rows[np.isfinite(rows).any(axis=1)]
     if not rows.size:
