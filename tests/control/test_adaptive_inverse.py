@@ -158,6 +158,16 @@ def test_a_sensor_that_never_speaks_ends_the_drive(design, gains):
         outputs(design.adaptive(gains), np.full(300, np.nan))
 
 
+def test_a_reading_that_is_infinite_is_none(design, gains):
+    runs = []
+    for lost in (np.nan, np.inf, -np.inf):
+        controller = design.adaptive(gains)
+        wanted = design.task.reference
+        runs.append(outputs(controller, [lost if k == 100 else wanted[k] for k in range(140)]))
+    assert runs[1] == runs[0]
+    assert runs[2] == runs[0]
+
+
 def test_tracked_parameters_in_doubt_give_way_to_the_model(design, gains):
     jump = 0.5 * design.task.stroke
     plant = Plant(design.task.start, load=lambda k: jump if 600 < k < 604 else 0.0)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -116,7 +116,7 @@ class AdaptiveInverse:
         self.fallbacks = 0
 
     def __call__(self, measured: float) -> float:
-        """Return the input of the next sample, given the output of the last (NaN if unknown).
+        """Return the input of the next sample, given the last output (not finite if unknown).
 
         Raises
         ------
@@ -125,6 +125,7 @@ class AdaptiveInverse:
         """
         k = self._sample
         self._sample += 1
+        measured = measured if isfinite(measured) else nan
         self._silent = 0 if isfinite(measured) else self._silent + 1
         if self._silent > self._patience:
             raise LostError(f"the sensor has given no reading for {self._silent} samples")
