@@ -139,9 +139,21 @@ def test_settings_out_of_range_are_refused(options, field):
     assert refused.value.field == field
 
 
+@pytest.mark.parametrize("reading", [1e200, -1e200, 1e12])
+def test_a_reading_in_which_every_model_has_diverged_is_none(reading):
+    plant = PLANTS["DEA1"]
+    u, y = record(plant, 300, missing=(100,))
+    expected, _ = fed(OnlineTracker.of_record(plant, u, y), u, y)
+    tracker = OnlineTracker.of_record(plant, u, y)
+    y[100] = reading
+    found, _ = fed(tracker, u, y)
+    np.testing.assert_array_equal(found, expected)
+    assert np.isfinite(found).all()
+
+
 def test_samples_that_are_no_numbers_are_refused_and_not_taken():
     tracker = OnlineTracker(PLANTS["DEA1"], np.ones(11))
-    for sample in [(np.nan, 0.0), (np.inf, 0.0), (0.0, np.inf)]:
+    for sample in [(np.nan, 0.0), (np.inf, 0.0), (0.0, np.inf), (1e200, 0.0)]:
         with pytest.raises(InputError, match="finite"):
             tracker.update(*sample)
     with pytest.raises(InputError, match="0 samples were taken"):

@@ -1,6 +1,6 @@
 """A model whose parameters follow a device sample by sample, in constant time and memory."""
 
-from math import isfinite, isinf
+from math import isinf, nan
 from typing import Self
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.control import online_kernels
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx import NarxModel, padded_lags, regressor_matrix, simulate
+from dea.narx import BOUND, NarxModel, padded_lags, regressor_matrix, simulate
 from dea.tracking import check_settings, initial_state, root_mean_square, with_constant
 
 Array = NDArray[np.float64]
@@ -141,20 +141,24 @@ class OnlineTracker:
         """Take a sample, in physical units, and return the error of the prediction before it.
 
         The error is in output units; it is NaN while the past is shorter than the largest lag and
-        where a measured value is missing.
+        where a measured value is missing. An output beyond 1e10 in the units of the equation, in
+        which every model has diverged, is taken as missing.
 
         Raises
         ------
         InputError
-            If the input is not a finite number, or the output infinite.
+            If the input is not a finite number, or beyond the same bound, or the output infinite.
         """
-        if not isfinite(u) or isinf(y):
+        scaling = self._scaling
+        given = (u - scaling.u_offset) / scaling.u_scale
+        measured = (y - scaling.y_offset) / scaling.y_scale
+        if not abs(given) <= BOUND or isinf(y):
             raise InputError(
                 f"the sample is u = {u}, y = {y}",
                 field="u, y",
-                remedy="Inputs are finite numbers, outputs too, or NaN where one is missing.",
+                remedy="Inputs are finite, up to 1e10 in the units of the equation, outputs finite"
+                " too, or NaN where one is missing.",
             )
-        scaling = self._scaling
         innovation = online_kernels.step(
             *self._state,
             self._past,
@@ -162,8 +166,8 @@ class OnlineTracker:
             self._scale,
             self._target,
             *self._settings,
-            (u - scaling.u_offset) / scaling.u_scale,
-            (y - scaling.y_offset) / scaling.y_scale,
+            given,
+            measured if abs(measured) <= BOUND else nan,
             self._count >= self._lag,
         )
         self._count += 1
