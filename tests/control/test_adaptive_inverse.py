@@ -256,6 +256,16 @@ def test_an_output_that_falls_with_the_input_is_refused():
     assert refused.value.field == "model"
 
 
+def test_beyond_its_end_the_last_output_wanted_is_held(design, gains):
+    size = design.task.reference.size
+    own = design.proportional_integral()
+    for controller in (design.adaptive(gains), design.fixed(gains), design.follower(own)):
+        u, y = close(controller, Plant(design.task.start), size + 300)
+        assert controller.reference.size == size
+        assert np.isfinite(u).all()
+        assert y[size + 100 :] == pytest.approx(design.task.reference[-1], abs=5 * NOISE)
+
+
 def test_the_same_run_twice(design, gains):
     runs = [close(design.adaptive(gains), Plant(design.task.start), 600)[0] for _ in range(2)]
     assert np.array_equal(*runs)

@@ -60,6 +60,7 @@ class Task:
     """What a controller is to do: the output wanted, (samples,), its stroke, and how it begins.
 
     The input is ``start`` during the hold of ``run_in``, and stays between the ends of ``limits``.
+    Beyond the end of the reference its last output is held.
     """
 
     reference: Array
@@ -123,7 +124,7 @@ class AdaptiveInverse:
         LostError
             Where the output does not follow for long, or the sensor is silent.
         """
-        k = self._sample
+        k = min(self._sample, self._task.reference.size)
         self._sample += 1
         measured = measured if isfinite(measured) else nan
         self._silent = 0 if isfinite(measured) else self._silent + 1

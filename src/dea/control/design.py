@@ -201,7 +201,7 @@ class FromStart:
 
     def __call__(self, measured: float) -> float:
         """Return the input of the next sample, given the output of the last."""
-        k, hold = self._sample, self._task.run_in.hold
+        k, hold = min(self._sample, self._task.reference.size), self._task.run_in.hold
         self._sample += 1
         if k < hold or not (self.reference.size or np.isfinite(measured)):
             return self._task.start
