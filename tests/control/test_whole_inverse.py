@@ -94,13 +94,31 @@ def test_inputs_to_begin_with_that_leave_the_limits_are_brought_within_them():
     ("change", "field"),
     [({"limits": InputLimits(1.0, -1.0, 0.1)}, "limits"),
      ({"limits": InputLimits(-np.inf, 1.0, 0.1)}, "limits"),
-     ({"limits": InputLimits(-1.0, 1.0, np.nan)}, "limits"), ({"memory": 0}, "memory")],
+     ({"limits": InputLimits(-1.0, 1.0, np.nan)}, "limits"), ({"memory": 0}, "memory"),
+     ({"weight": 0.0}, "weight"), ({"weight": np.inf}, "weight"), ({"change": 0.0}, "change"),
+     ({"change": np.nan}, "change")],
 )  # fmt: skip
 def test_settings_out_of_range_are_refused(change, field):
     reference = np.concatenate([[np.nan, np.nan], np.ones(28)])
     with pytest.raises(InputError) as refused:
         whole_inverse(linear, reference, np.zeros(30), **{"weight": 1.0} | FREE | change)
     assert refused.value.field == field
+
+
+@pytest.mark.parametrize("wanted", [[np.nan] * 30, [np.nan, np.nan, 1.0], []])
+def test_a_reference_that_wants_less_than_two_outputs_is_refused(wanted):
+    begun = np.zeros(len(wanted))
+    with pytest.raises(InputError, match="fewer than two outputs are wanted") as refused:
+        whole_inverse(linear, np.array(wanted), begun, weight=1.0, **FREE)
+    assert refused.value.field == "reference"
+    whole_inverse(linear, np.array([np.nan, np.nan, 1.0, 1.0]), np.zeros(4), weight=1.0, **FREE)
+
+
+def test_inputs_to_begin_with_of_another_length_are_refused():
+    reference = np.concatenate([[np.nan, np.nan], np.ones(28)])
+    with pytest.raises(InputError, match="29 samples, and the reference 30") as refused:
+        whole_inverse(linear, reference, np.zeros(29), weight=1.0, **FREE)
+    assert refused.value.field == "begun"
 
 
 def test_a_step_that_is_too_long_is_shortened():

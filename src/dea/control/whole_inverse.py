@@ -62,28 +62,12 @@ def whole_inverse(
     Raises
     ------
     InputError
-        If the simulation diverges on the way, an output is wanted from the beginning, or a setting
-        is out of range.
+        If the simulation diverges on the way, an output is wanted from the beginning or none is,
+        inputs are not as many, or a setting is out of range.
     """
-    limits.check()
-    if memory < 1:
-        raise InputError(f"it is {memory}", field="memory", remedy="Take a sample or more.")
+    _check_settings(memory, change, weight, limits)
     wanted = np.isfinite(reference)
-    first = int(np.argmax(wanted))
-    if first < 2:
-        raise InputError(
-            f"an output is wanted from sample {first} on",
-            field="reference",
-            remedy="Put two samples without one (NaN) before it.",
-        )
-
-    kept = begun[:first]
-    if not np.all((limits.lowest <= kept) & (kept <= limits.highest)):
-        raise InputError(
-            f"its inputs before the reference go from {kept.min():g} to {kept.max():g}",
-            field="begun",
-            remedy=f"Keep them from {limits.lowest:g} to {limits.highest:g}, the limits.",
-        )
+    first = _check_signals(wanted, begun, limits)
 
     def missing(inputs: Array) -> Array:
         return np.where(wanted, reference - simulate(inputs), 0.0)
@@ -113,6 +97,48 @@ def whole_inverse(
         if not best < (1.0 - _ENOUGH) * before:
             break
     return InverseInputs(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
+
+
+def _check_settings(memory: int, change: float, weight: float, limits: InputLimits) -> None:
+    limits.check()
+    for name, value, possible in (
+        ("memory", memory, memory >= 1),
+        ("change", change, 0.0 < change < np.inf),
+        ("weight", weight, 0.0 < weight < np.inf),
+    ):
+        if not possible:
+            raise InputError(f"it is {value:g}", field=name, remedy="Take a positive number.")
+
+
+def _check_signals(wanted: NDArray[np.bool_], begun: Array, limits: InputLimits) -> int:
+    """Return the first sample at which an output is wanted."""
+    if wanted.sum() < 2:
+        raise InputError(
+            "fewer than two outputs are wanted",
+            field="reference",
+            remedy="Give finite ones, after two samples or more without one (NaN).",
+        )
+    first = int(np.argmax(wanted))
+    if first < 2:
+        raise InputError(
+            f"an output is wanted from sample {first} on",
+            field="reference",
+            remedy="Put two samples without one (NaN) before it.",
+        )
+    if begun.shape != wanted.shape:
+        raise InputError(
+            f"it has {begun.size} samples, and the reference {wanted.size}",
+            field="begun",
+            remedy="Give an input for each.",
+        )
+    kept = begun[:first]
+    if not np.all((limits.lowest <= kept) & (kept <= limits.highest)):
+        raise InputError(
+            f"its inputs before the reference go from {kept.min():g} to {kept.max():g}",
+            field="begun",
+            remedy=f"Keep them from {limits.lowest:g} to {limits.highest:g}, the limits.",
+        )
+    return first
 
 
 def _diverges(error: Array) -> InputError:
