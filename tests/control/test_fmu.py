@@ -148,6 +148,21 @@ def test_a_diverging_model_stops_the_simulator(opened):
         slave.run(np.ones(60))
 
 
+@pytest.mark.parametrize("at_once", [False, True])
+def test_divergence_is_told_by_the_step_whose_output_it_is(opened, at_once):
+    """y doubles from 1 on, and 2^33 is the last that is below 10^10."""
+    terms = {"y(t-1)": 2.0, "u(t-1)": 1.0} | ({"u(t)": 1e-12} if at_once else {})
+    slave = opened(NarxModel.from_terms(terms))
+    slave.set([0], [1.0])
+    slave.fmu.doStep(0.0, 1 / RATE)
+    slave.set([0], [0.0])
+    for _ in range(33):
+        slave.fmu.doStep(0.0, 1 / RATE)
+    assert slave.get([1]) == [pytest.approx(2.0**33)]
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        slave.fmu.doStep(0.0, 1 / RATE)
+
+
 def test_states_are_kept_and_restored_also_as_bytes(opened):
     model, u = scaled("DEA3"), random_input(80)
     slave, other = opened(model), opened(model)
