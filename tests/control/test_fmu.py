@@ -142,6 +142,39 @@ def test_a_step_that_is_no_whole_number_of_periods_is_an_error(length, opened):
         slave.fmu.doStep(0.0, length)
 
 
+# Steps of no whole number of periods, too many for any counter, and none.
+STEPS = """
+#include "unit.h"
+
+int main(void)
+{
+    const double lengths[] = {1e300, 1e10, -1e300, HUGE_VAL, -HUGE_VAL, NAN, 0.0};
+    running unit;
+    size_t i;
+
+    start(&unit);
+    for (i = 0U; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
+        if (pass(&unit, lengths[i]) == NULL) {
+            return 1;
+        }
+    }
+    return (pass(&unit, 40.0 * FMU_PERIOD) == NULL) ? 0 : 2;
+}
+"""
+
+
+def test_steps_that_no_counter_holds_are_refused_before_they_are_counted(tmp_path):
+    write_fmu(scaled("DEA1"), tmp_path / "plant.fmu", RATE, compiler=None)
+    with zipfile.ZipFile(tmp_path / "plant.fmu") as archive:
+        archive.extractall(tmp_path)
+    sources = tmp_path / "sources"
+    (sources / "steps.c").write_text(STEPS)
+    checked = ["-std=c99", "-fsanitize=undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
+    command = ["cc", *checked, "steps.c", "model.c", "-lm", "-o", "steps"]
+    subprocess.run(command, cwd=sources, check=True)
+    subprocess.run(["./steps"], cwd=sources, check=True, timeout=10)
+
+
 def test_a_diverging_model_stops_the_simulator(opened):
     slave = opened(NarxModel.from_terms({"y(t-1)": 1.5, "y(t-1)^3": 0.5, "u(t-1)": 1.0}))
     with pytest.raises(fmpy.fmi1.FMICallException):

@@ -13,6 +13,9 @@
 /* Share of a sampling period by which a step may differ from a whole number of them. */
 #define TOLERANCE 1e-6
 
+/* Sampling periods that a step may not reach: more would not fit an unsigned long everywhere. */
+#define LONGEST 1e9
+
 typedef struct {
     FMU_MODEL(state) state;
     double input;
@@ -33,7 +36,8 @@ static double output(const running *now)
 static const char *pass(running *now, double length)
 {
     const double periods = length / FMU_PERIOD;
-    const unsigned long count = (periods > 0.0) ? (unsigned long)(periods + 0.5) : 0UL;
+    const unsigned long count =
+        ((periods > 0.0) && (periods < LONGEST)) ? (unsigned long)(periods + 0.5) : 0UL;
     const double excess = periods - (double)count;
     const char *failure = NULL;
     unsigned long i;
