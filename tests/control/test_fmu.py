@@ -240,6 +240,29 @@ def test_the_wrapper_agrees_with_the_headers_of_the_standard(version, tmp_path):
     assert len(declared) > 40
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_units_with_prefixes_link_into_one_program(version, tmp_path):
+    """By the macro that the standard's own headers take the prefix from."""
+    wrapper, objects = f"fmi{version[0]}", []
+    for name in ("left", "right"):
+        write_fmu(scaled("DEA1"), tmp_path / "plant.fmu", RATE, name=name, version=version)
+        with zipfile.ZipFile(tmp_path / "plant.fmu") as archive:
+            archive.extractall(tmp_path / name)
+        prefix = f"-D{wrapper.upper()}_FUNCTION_PREFIX={name}_"
+        command = ["cc", "-std=c99", "-Wall", "-Werror", "-fPIC", prefix, "-c"]
+        sources = tmp_path / name / "sources"
+        subprocess.run([*command, "model.c", f"{wrapper}.c"], cwd=sources, check=True)
+        objects += [str(sources / f"{part}.o") for part in ("model", wrapper)]
+    subprocess.run(["cc", "-shared", *objects, "-o", "both.so"], cwd=tmp_path, check=True)
+    both = ctypes.CDLL(str(tmp_path / "both.so"))
+    standard = Path(fmpy.__file__).with_name("c-code") / f"{wrapper}Functions.h"
+    declared = re.findall(rf"_Export \w+\s+({wrapper}\w+);", standard.read_text())
+    for name in ("left", "right"):
+        exported = {each for each in declared if hasattr(both, f"{name}_{each}")}
+        assert set(declared) - exported <= EXCHANGE
+    assert not [each for each in declared if hasattr(both, each)]
+
+
 def test_a_unit_of_3_refuses_what_it_has_not(tmp_path):
     write_fmu(scaled("DEA1"), tmp_path / "plant.fmu", RATE, version="3.0")
     slave = Slave(tmp_path / "plant.fmu", tmp_path / "unit")
