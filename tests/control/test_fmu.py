@@ -116,6 +116,28 @@ def test_fmpy_finds_it_valid_and_simulates_the_free_run(name, version, tmp_path)
     np.testing.assert_allclose(found["y"], from_rest(model, u), rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_simulator_that_reads_before_it_sets_sees_the_input_of_the_step(version, tmp_path):
+    """Of y = 0.5 y(t-1) + 0.25 u(t) + 0.1 u(t) u(t-2), with u(t-1) in the place of u(t)."""
+    model, path = NarxModel.from_terms(FEEDTHROUGH, scaling=SCALING), tmp_path / "plant.fmu"
+    write_fmu(model, path, RATE, u_units="V", y_units="mm", version=version)
+    u = random_input(300)
+    signals = np.zeros(u.size, dtype=[("time", float), ("u", float)])
+    signals["time"], signals["u"] = np.arange(u.size) / RATE, u
+    found = fmpy.simulate_fmu(
+        path, stop_time=signals["time"][-1], input=signals, output=["y"], output_interval=0.02
+    )
+    inputs = np.concatenate([[0.0, 0.0], SCALING.normalise_input(u)])
+    outputs, read = [0.0], []
+    for t in range(2, inputs.size):
+        held = inputs[t - 1] if read else inputs[t]
+        read.append(0.5 * outputs[-1] + 0.25 * held + 0.1 * held * inputs[t - 2])
+        outputs.append(0.5 * outputs[-1] + 0.25 * inputs[t] + 0.1 * inputs[t] * inputs[t - 2])
+    expected = SCALING.restore_output(np.array(read))
+    np.testing.assert_allclose(found["y"], expected, rtol=0.0, atol=1e-12)
+    assert np.abs(expected - from_rest(model, u)).max() > 0.05
+
+
 def test_half_an_hour_stepped_by_hand(opened):
     model, u = scaled("DEA2"), random_input(90_000)
     found = opened(model).run(u)
