@@ -18,7 +18,8 @@ class RecedingHorizonInverse:
     The inputs minimise the squared errors over the horizon and ``smoothness`` times their squared
     second differences, in the units of the equation. The first is applied and the rest is where the
     next sample begins: one Gauss-Newton step for each sample (real-time iteration: M. Diehl et al.,
-    J. Process Control 12 (2002) 577-585). Inputs keep limits and rate.
+    J. Process Control 12 (2002) 577-585). The step knows no limits. After it every input in turn is
+    brought within limits and rate, so that a plan that meets them is not the minimum.
 
     The model is run freely: its past outputs are its own, so that the plan is a feedforward and
     the margins of the feedback beside it hold.

@@ -68,7 +68,7 @@ def improve(
     smoothness: float,
     limits: InputLimits,
 ) -> bool:
-    """Improve a plan by one Gauss-Newton step, in place, within limits and rate.
+    """Improve a plan by one Gauss-Newton step, in place, then bring it within limits and rate.
 
     Parameters
     ----------

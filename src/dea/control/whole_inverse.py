@@ -39,7 +39,9 @@ def whole_inverse(
     simulation is a black box: its Jacobian is a band, of which every ``memory``-th column is found
     by one run in which the inputs of those samples are changed together (A. Curtis, M. Powell and
     J. Reid, IMA J. Applied Mathematics 13 (1974) 117-119). What it remembers for longer slows the
-    Gauss-Newton steps down and does not change where they end.
+    Gauss-Newton steps down and does not change where they end. The steps know no limits. After
+    each every input in turn is brought within them, so that inputs that meet them are not the
+    minimum.
 
     Parameters
     ----------
