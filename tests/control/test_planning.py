@@ -170,7 +170,13 @@ def test_a_sampling_rate_that_is_not_the_models_is_refused(rate):
     of_50_hz = replace(PLANT, labels=Labels(sampling_rate=50.0))
     with pytest.raises(InputError, match="sampling_rate"):
         inverse(of_50_hz, sampling_rate=rate)
-    assert inverse(of_50_hz).horizon == 12
+    own = inverse(of_50_hz, sampling_rate=None)
+    for plan in (own, inverse(of_50_hz)):
+        plan.rest(2.4, rest(PLANT, 2.4))
+    ahead = np.full(12, rest(PLANT, 3.4) + 9.0)
+    assert own.step(ahead) == plan.step(ahead) == pytest.approx(2.4 + 40.0 / 50.0)
+    with pytest.raises(InputError, match="does not know its sampling rate"):
+        inverse(sampling_rate=None)
 
 
 @pytest.mark.parametrize(

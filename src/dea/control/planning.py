@@ -36,12 +36,12 @@ class RecedingHorizonInverse:
     lowest, highest, rate
         Of the input, in its units, the last per second.
     sampling_rate
-        In Hz, that of the model's own record where it knows it.
+        In Hz. By default that of the model's own record.
 
     Raises
     ------
     InputError
-        If a setting is out of range, or the rate not the model's own.
+        If a setting is out of range, or the rate not known or not the model's own.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class RecedingHorizonInverse:
         lowest: float,
         highest: float,
         rate: float,
-        sampling_rate: float,
+        sampling_rate: float | None = None,
     ) -> None:
         limited = -np.inf < lowest < highest < np.inf and rate > 0.0
         if horizon < 3 or not (0.0 < smoothness < np.inf and limited):
