@@ -266,6 +266,17 @@ def test_beyond_its_end_the_last_output_wanted_is_held(design, gains):
         assert y[size + 100 :] == pytest.approx(design.task.reference[-1], abs=5 * NOISE)
 
 
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [({"start": 0.9}, "start"), ({"start": np.nan}, "start"), ({"limits": (1.0, np.inf)}, "limits"),
+     ({"limits": (3.2, 1.6)}, "limits")],
+)  # fmt: skip
+def test_a_task_that_begins_outside_its_limits_is_refused(design, change, field):
+    with pytest.raises(InputError) as refused:
+        replace(design.task, **change)
+    assert refused.value.field == field
+
+
 def test_the_same_run_twice(design, gains):
     runs = [close(design.adaptive(gains), Plant(design.task.start), 600)[0] for _ in range(2)]
     assert np.array_equal(*runs)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from dea.control.feedback import FilteredError, Gains
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse
 from dea.control.reference import least_jerk
-from dea.errors import DeviceError
+from dea.errors import DeviceError, InputError
 
 Array = NDArray[np.float64]
 # Makes a tracker that begins at these parameters, or at the model's own.
@@ -61,6 +61,11 @@ class Task:
 
     The input is ``start`` during the hold of ``run_in``, and stays between the ends of ``limits``.
     Beyond the end of the reference its last output is held.
+
+    Raises
+    ------
+    InputError
+        If the limits are not finite, do not rise, or leave the start outside.
     """
 
     reference: Array
@@ -68,6 +73,21 @@ class Task:
     start: float
     run_in: RunIn
     limits: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        lowest, highest = self.limits
+        if not -inf < lowest < highest < inf:
+            raise InputError(
+                f"they are {lowest:g} and {highest:g}",
+                field="limits",
+                remedy="Give finite ones that rise.",
+            )
+        if not lowest <= self.start <= highest:
+            raise InputError(
+                f"{self.start:g} is not from {lowest:g} to {highest:g}, the limits",
+                field="start",
+                remedy="Begin within them.",
+            )
 
 
 class AdaptiveInverse:
