@@ -11,7 +11,7 @@ from dea.control.design import loop_frequencies, rests_of
 from dea.control.through_inverse import inverse_response
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
-from dea.narx import NarxModel, Scaling, estimate, refine
+from dea.narx import Labels, NarxModel, Scaling, estimate, refine
 from dea.terms import Term
 
 RATE = 50.0
@@ -275,6 +275,14 @@ def test_a_task_that_begins_outside_its_limits_is_refused(design, change, field)
     with pytest.raises(InputError) as refused:
         replace(design.task, **change)
     assert refused.value.field == field
+
+
+@pytest.mark.parametrize("rate", [100.0, np.nan])
+def test_a_design_at_another_rate_than_the_models_is_refused(design, rate):
+    model = replace(design.model, labels=Labels(sampling_rate=RATE))
+    u = np.full(6000, 2.4)
+    with pytest.raises(InputError, match="sampling_rate"):
+        ControllerDesign.of_record(model, u, u, rate, SETTINGS, 7)
 
 
 def test_the_same_run_twice(design, gains):

@@ -18,7 +18,7 @@ from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.errors import InputError
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
 from dea.missing import filled
-from dea.narx import NarxModel
+from dea.narx import NarxModel, rate_of
 from dea.tracking import with_constant
 
 Array = NDArray[np.float64]
@@ -73,8 +73,9 @@ class ControllerDesign:
         ------
         InputError
             If the record's minutes have no range in common, or the model has no rests there at
-            which its output rises with its input.
+            which its output rises with its input, or the rate is not the model's own.
         """
+        rate_of(model.labels, sampling_rate)
         chosen = settings["reference"]
         reach = reach_of(y, sampling_rate, (chosen["shares"][0], chosen["shares"][1]))
         limits = float(np.nanmin(u)), float(np.nanmax(u))
