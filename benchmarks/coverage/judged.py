@@ -108,8 +108,6 @@ def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracke
     low, high = (track[end].values[chosen].T for end in ("band_low", "band_high"))
     inside = {"parameters": _inside(expected, low, high).ravel()}
     covariance = track["covariance"].values[chosen]
-    if track.attrs["withheld"]:
-        covariance = np.full_like(covariance, np.nan)
     for label, order, f in asked:
         common: dict[str, Any] = {"operating_point": 0.0, "allow_missing": True}
         response = dea.frequency_response(followed, order, f, 1.0, parameters=expected.T, **common)

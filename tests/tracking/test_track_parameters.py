@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from dea.errors import InputError
-from dea.gfrf import frequency_response
-from dea.narx import NarxModel, Scaling, simulate_varying
+from dea.gfrf import frequency_response, frequency_response_band
+from dea.narx import NarxModel, Scaling, estimate, refine, simulate_varying
 from dea.tracking import METHODS, compare_free_runs, track_parameters, with_constant
 from dea.tracking.free_runs import _reach
 from dea.tracking.sensitivity import sensitivity
@@ -145,17 +145,28 @@ def test_the_band_of_least_squares_is_that_of_the_batch_estimate():
         np.testing.assert_allclose(track["parameter_std"].values[n], np.sqrt(variance), rtol=1e-8)
 
 
+@pytest.mark.usefixtures("never_withheld")
 def test_instants_within_the_first_lags_have_the_covariance_of_the_first_estimate():
     model, u, y, *_ = unequal_record()
+    model = replace(model, covariance=np.zeros((4, 4)))
     every = track_parameters(model, u, y)
     few = track_parameters(model, u, y, instants=7)
     covariance = every["covariance"].values
+    assert np.isfinite(covariance).all()
     assert every.sizes["instant"] == u.size
     np.testing.assert_array_equal(covariance[0], covariance[1])
     at = np.searchsorted(every["instant"].values, few["instant"].values)
     np.testing.assert_allclose(covariance[at], few["covariance"].values, rtol=1e-12)
 
 
+@pytest.fixture
+def never_withheld(monkeypatch):
+    """Covariances of records too short, or with too little noise, for intervals that hold."""
+    monkeypatch.setattr("dea.tracking.track.reason_to_withhold", lambda *_: "")
+    monkeypatch.setattr("dea.tracking.track.curvature_of_windows", lambda *_: 0.0)
+
+
+@pytest.mark.usefixtures("never_withheld")
 def test_the_band_of_the_smoother_is_that_of_the_joint_gaussian():
     """All parameters at all samples as one Gaussian vector, in the units of the model."""
     model, u, y, Phi, size = unequal_record()
@@ -309,6 +320,7 @@ def delayed_gain():
     return model, u, model.simulate(u) + 0.1 * noise
 
 
+@pytest.mark.usefixtures("never_withheld")
 def test_what_leakage_holds_is_as_uncertain_as_its_target():
     u, y, _ = record(5, noise=1e-3)
     deviation = 0.1 * (1.0 + np.abs(PLANT.parameters))
@@ -327,6 +339,28 @@ def test_a_pull_to_parameters_of_unknown_covariance_withholds_the_band():
     )
     assert "covariance is not known" in pulled.attrs["withheld"]
     assert not free.attrs["withheld"]
+
+
+def test_bands_at_an_instant_of_a_withheld_track_are_missing():
+    """Noise on the output biases a smoother of one-step errors."""
+    plant = NarxModel.from_terms({"y(t-1)": 0.9, "u(t-1)": 1.0})
+    rng = np.random.default_rng(1)
+    u = rng.uniform(-1.0, 1.0, 3000)
+    y = plant.simulate(u) + 0.3 * rng.standard_normal(3000)
+    model = refine(estimate(plant.terms, u, y, scaling=Scaling()), u, y)
+    track = track_parameters(model, u, y, method="kalman", sampling_rate=RATE)
+    assert "correlated in time" in track.attrs["withheld"]
+    at = track.sel(instant=30.0, method="nearest")
+    band = frequency_response_band(
+        with_constant(model),
+        1,
+        np.array([1.0, 5.0]),
+        RATE,
+        parameters=track["parameter"].sel(time=at["instant"]),
+        covariance=at["covariance"],
+    )
+    assert np.isfinite(band.response).all()
+    assert np.isnan([band.gain_low, band.gain_high, band.phase_low, band.phase_high]).all()
 
 
 def test_the_interval_of_a_free_run_takes_the_covariance_of_its_part_of_the_record():

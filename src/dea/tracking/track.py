@@ -138,8 +138,8 @@ def track_parameters(
         ``band_high(instant, term)``; ``innovation(time)`` in output units, missing for the first
         ``model.max_lag`` samples; for the smoothers ``noise_ratio(term)``. Its attribute
         ``estimator`` names the method that the estimate is of, which differs from ``method`` where
-        that fell back on another; ``withheld`` says why no interval can be given: ``band_low`` and
-        ``band_high`` are then missing (docs/method/bands.md).
+        that fell back on another; ``withheld`` says why no interval can be given: ``covariance``,
+        ``band_low`` and ``band_high`` are then missing (docs/method/bands.md).
 
     Raises
     ------
@@ -365,8 +365,8 @@ def _labelled(
     lag = model.max_lag
     theta = lead_in(found.theta, lag)
     innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
-    deviation = np.sqrt(np.maximum(np.einsum("kii->ki", found.covariance), 0.0))
-    reach = np.full_like(deviation, np.nan) if found.withheld else quantile(LEVEL) * deviation
+    covariance = np.full_like(found.covariance, np.nan) if found.withheld else found.covariance
+    reach = quantile(LEVEL) * np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
     plain, seconds = {"units": "1"}, {"units": "s"}
     over, at_instants = ("time", "term"), ("instant", "term")
     normalised = "of the parameter, normalised signals"
@@ -383,7 +383,7 @@ def _labelled(
             ),
             "covariance": (
                 ("instant", "term", "term_2"),
-                found.covariance,
+                covariance,
                 plain | {"long_name": "covariance of the parameters"},
             ),
             "band_low": (
