@@ -69,6 +69,14 @@ def test_a_model_that_does_not_settle_is_refused(terms):
     assert np.isnan(frequency_response(model, 1, 1.0, 50.0, allow_missing=True))
 
 
+@pytest.mark.parametrize("level", [1e11, -1e30])
+def test_a_linear_model_settles_at_any_level(level):
+    model = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.5})
+    assert zero_input_response(model, operating_point=level) == pytest.approx(2.5 * level)
+    response = frequency_response(model, 1, [0.0], 1.0, operating_point=level)
+    np.testing.assert_allclose(response, 2.5)
+
+
 def test_slow_models_settle_too():
     model = NarxModel.from_terms({"1": 1e-4, "y(t-1)": 0.9999, "u(t-1)": 1.0})
     assert zero_input_response(model) == pytest.approx(1.0, abs=1e-9)

@@ -7,7 +7,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
-from dea.narx import polished, simulate
+from dea.narx import BOUND, polished, simulate
 from dea.terms import Term, max_lag, static_value
 
 Array = NDArray[np.float64]
@@ -35,6 +35,7 @@ def rest(terms: Sequence[Term], theta: Array, u0: Array, start: float = 0.0) -> 
     """
     terms = tuple(terms)
     roots = _attracting_roots(terms, theta, u0)
+    bound = BOUND * (1.0 + max(map(abs, roots), default=0.0))
     lag = max(max_lag(terms), 1)
     outputs = np.full(lag, start)
     for run in range(_RUNS):
@@ -42,7 +43,7 @@ def rest(terms: Sequence[Term], theta: Array, u0: Array, start: float = 0.0) -> 
             if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
                 return root
         inputs = np.tile(u0, (lag + _FIRST_RUN * 2**run, 1))
-        outputs = simulate(terms, theta, inputs, outputs)[-lag:]
+        outputs = simulate(terms, theta, inputs, outputs, bound)[-lag:]
         if not roots or not np.all(np.isfinite(outputs)):
             return None
     return None
