@@ -55,6 +55,22 @@ def test_the_covariance_counts_the_parameters_that_the_data_determine():
     np.testing.assert_allclose(sum_of_both @ wide @ sum_of_both.T, covariance, rtol=1e-9)
 
 
+def test_outputs_that_every_run_would_count_as_diverged_are_refused():
+    u, y = record(200)
+    large = y * 1e10 / np.abs(y).max()
+    start = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-2)": 0.3})
+    for tried in (
+        lambda: estimate(MODEL.terms, u, large, scaling=Scaling()),
+        lambda: select_terms(u, large, y_lags=1, u_lags=2, degree=1, scaling=Scaling()),
+        lambda: start.score(u, large),
+        lambda: start.predict(u, large),
+    ):
+        with pytest.raises(InputError, match=r"y: sample .* larger units, or leave scaling out"):
+            tried()
+    assert estimate(MODEL.terms, u, large).score(u, large) > 0.5
+    assert estimate(MODEL.terms, u, large / 4, scaling=Scaling()).score(u, large / 4) > 0.5
+
+
 def test_an_even_model_is_scaled_about_zero():
     records = [(np.array([1.0, 3.0, 5.0]), np.array([0.0, 4.0, 8.0]))]
     assert scaling_of(records, centre_input=False) == Scaling(0.0, 2.0, 4.0, 4.0)

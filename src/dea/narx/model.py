@@ -158,7 +158,8 @@ class NarxModel:
         -------
         ndarray
             Output in physical units, shape (samples,). Its first ``max_lag`` samples are
-            ``y_initial``; from the sample on where the run diverges it is ``inf``.
+            ``y_initial``; from the sample on where the run diverges, beyond 1e10 in the units of
+            the equation, it is ``inf``.
         """
         inputs = self.scaling.normalise_input(as_input(u))
         if y_initial is None:

@@ -8,6 +8,10 @@ import numpy as np
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.checks import Array
+from dea.narx.simulation import BOUND
+
+# Of measured outputs, so that a run has room to exceed them before it counts as diverged.
+_LARGEST = BOUND / 3.0
 
 PerInput = float | tuple[float, ...]
 
@@ -76,8 +80,23 @@ class Scaling:
         return (u - self.u_offset) / self.u_scale
 
     def normalise_output(self, y: Array) -> Array:
-        """Return the output in the units of the equation."""
-        return (y - self.y_offset) / self.y_scale
+        """Return the output in the units of the equation.
+
+        Raises
+        ------
+        InputError
+            If it is so large there that every run like it would count as diverged.
+        """
+        found: Array = (y - self.y_offset) / self.y_scale
+        large = np.flatnonzero(np.abs(found) > _LARGEST)
+        if large.size:
+            raise InputError(
+                f"sample {large[0]} is {found[large[0]]:.4g} in the units of the equation, where"
+                f" runs beyond {BOUND:.0e} count as diverged",
+                field="y",
+                remedy="Give it in larger units, or leave scaling out where the model is estimated",
+            )
+        return found
 
     def restore_input(self, u: Array) -> Array:
         """Return the equation's input in physical units."""
