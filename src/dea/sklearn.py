@@ -79,7 +79,10 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: Any) -> Array:
-        """Return the free run on the inputs ``X``, shape (samples,), from rest on."""
+        """Return the free run on the inputs ``X``, shape (samples,).
+
+        It begins as that of :meth:`dea.NarxModel.simulate` does.
+        """
         inputs = self._checked(X)
         return self.model_.simulate(inputs)
 

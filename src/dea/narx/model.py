@@ -151,15 +151,17 @@ class NarxModel:
             Input in physical units, shape (samples,); several are columns, (samples, inputs).
         y_initial
             The first ``max_lag`` outputs in physical units; more may be given, so that a measured
-            output can be passed whole. By default the output's offset: a system at rest at the
-            operating point.
+            output can be passed whole. By default the output's offset.
 
         Returns
         -------
         ndarray
             Output in physical units, shape (samples,). Its first ``max_lag`` samples are
-            ``y_initial``; from the sample on where the run diverges, beyond 1e10 in the units of
-            the equation, it is ``inf``.
+            ``y_initial``, whatever the input is meanwhile. For a run that begins at the operating
+            point, as those of the C code, FMU and python-control system of :mod:`dea.control` do,
+            put ``max_lag`` samples of the input's offset before ``u`` and leave the first
+            ``max_lag`` outputs away. From the sample on where the run diverges, beyond 1e10 in the
+            units of the equation, it is ``inf``.
         """
         inputs = self.scaling.normalise_input(as_input(u))
         if y_initial is None:
