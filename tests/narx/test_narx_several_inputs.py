@@ -1,8 +1,10 @@
 """Models with several inputs: selection, simulation, prediction, files, and what is refused."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import dea
@@ -18,6 +20,7 @@ from dea.narx import (
     refine,
     regressor_matrix,
     simulate_varying,
+    simulation_interval,
 )
 from dea.narx.stability import StabilityTest
 from dea.terms import Term
@@ -134,6 +137,30 @@ def test_a_found_model_names_its_inputs_and_survives_its_files(found, record, tm
         np.testing.assert_array_equal(again.simulate(record.u), found.simulate(record.u))
     assert str(loaded.stability()) == str(found.stability())
     assert loaded.stability().inputs.shape == found.stability().inputs.shape
+
+
+def test_columns_of_a_frame_are_found_by_name(found, record):
+    turned = pd.DataFrame({"right": record.u[:, 1], "left": record.u[:, 0]})
+    expected = found.simulate(record.u)
+    assert not np.allclose(found.simulate(record.u[:, ::-1]), expected)
+    np.testing.assert_array_equal(found.simulate(turned), expected)
+    np.testing.assert_array_equal(simulation_interval(found, turned).value, expected)
+    assert found.score(turned, record.y) == found.score(record)
+    np.testing.assert_array_equal(found.predict(turned, record.y), found.predict(record))
+    with pytest.raises(InputError, match="names: the record has up, left, the model left, right"):
+        found.simulate(turned.rename(columns={"right": "up"}))
+    for unnamed in (turned[["left", "right"]].set_axis([0, 1], axis=1), record.u):
+        np.testing.assert_array_equal(found.simulate(unnamed), expected)
+    nameless = replace(found, labels=replace(found.labels, u_name=("input 1", "input 2")))
+    assert nameless.score(turned[["left", "right"]], record.y) == found.score(record)
+
+
+def test_the_input_of_a_record_is_taken(found, record):
+    expected = found.simulate(record.u)
+    np.testing.assert_array_equal(found.simulate(record), expected)
+    np.testing.assert_array_equal(simulation_interval(found, record).value, expected)
+    with pytest.raises(InputError, match="sampling_rate: the record has 1000 Hz, the model"):
+        found.simulate(record._replace(sampling_rate=1000.0))
 
 
 def test_one_column_is_one_input(record):

@@ -16,7 +16,7 @@ from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
-from dea.narx import NarxModel, as_input
+from dea.narx import NarxModel, as_input, input_of
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
@@ -101,6 +101,7 @@ def response_over_time(
         withholds them.
     """
     rows = _Rows(model, track, sampling_rate)
+    u = input_of(model.labels, u)
     error = None
     if y is not None:
         course = track["parameter"].transpose("time", "term").values.astype(float)

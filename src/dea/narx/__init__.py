@@ -17,7 +17,7 @@ from dea.narx.intervals import (
     simulation_interval,
 )
 from dea.narx.kernels import NONE
-from dea.narx.labels import Labels, check_rate, pair, rate_of
+from dea.narx.labels import Labels, check_rate, input_of, pair, rate_of
 from dea.narx.lags import Compared, LagChoice, lag_choices, select_lags
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
@@ -78,6 +78,7 @@ __all__ = [
     "fpe",
     "held_out_error",
     "inclusion_frequency",
+    "input_of",
     "lag_choices",
     "linear_model",
     "linear_terms",

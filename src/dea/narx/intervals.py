@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike
 
 from dea.errors import InputError
 from dea.narx.checks import Array, as_input
+from dea.narx.labels import input_of
 from dea.narx.model import NarxModel
 from dea.narx.refinement import sensitivities
+from dea.store import Record
 
 LEVEL = 0.95
 
@@ -59,7 +61,11 @@ def parameter_interval(model: NarxModel, *, level: float = LEVEL) -> Interval:
 
 
 def simulation_interval(
-    model: NarxModel, u: ArrayLike, y_initial: ArrayLike | None = None, *, level: float = LEVEL
+    model: NarxModel,
+    u: ArrayLike | Record,
+    y_initial: ArrayLike | None = None,
+    *,
+    level: float = LEVEL,
 ) -> Interval:
     """Return the free run with the interval that the uncertainty of the parameters gives it.
 
@@ -75,7 +81,7 @@ def simulation_interval(
     """
     covariance = covariance_of(model)
     scaling = model.scaling
-    inputs = scaling.normalise_input(as_input(u))
+    inputs = scaling.normalise_input(as_input(input_of(model.labels, u)))
     run = model.simulate(u, y_initial)
     initial = scaling.normalise_output(run[: model.max_lag])
     _, slope = sensitivities(model.terms, model.parameters, inputs, initial)

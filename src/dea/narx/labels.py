@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dea.errors import InputError
 from dea.missing import stretches
 from dea.narx.checks import Array, as_pair
-from dea.store import Record, Text, each_text
+from dea.store import Record, Text, each_text, input_names, real_numbers
 
 # Part by which the rate of a record may differ from the model's: a clock may be off by as much.
 _RATES_APART = 1e-3
@@ -69,6 +70,25 @@ class Labels:
         names, called = (each_text(of.u_name) for of in (self, record))
         if names != called and sorted(names) == sorted(called):
             raise _unlike("names", ", ".join(called), ", ".join(names))
+
+    def in_order(self, u: ArrayLike) -> ArrayLike:
+        """Return signals, the columns of a frame in the order of the inputs that they name.
+
+        Columns without names are taken as they come, and all where the inputs have none.
+
+        Raises
+        ------
+        InputError
+            If as many columns name other inputs.
+        """
+        names, columns = list(each_text(self.u_name)), list(getattr(u, "columns", ()))
+        known = all(isinstance(name, str) for name in columns) and names != input_names(len(names))
+        if not known or not len(names) == len(columns) > 1:
+            return u
+        if set(columns) != set(names):
+            raise _unlike("names", ", ".join(columns), ", ".join(names))
+        found: Array = real_numbers(u, "u")[:, [columns.index(name) for name in names]]
+        return found
 
 
 def rate_of(labels: Labels, given: float | None) -> float:
@@ -164,11 +184,25 @@ def pair(labels: Labels, u: Any, y: Any, given: int) -> tuple[Array, Array]:
     """
     if isinstance(u, Record):
         _refuse_second_output(y)
-        labels.refuse_other(Labels.of(u))
-        u, y = u.u, u.y
+        y = u.y
     if y is None:
         raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
-    return as_pair(u, y, given, missing=True)
+    return as_pair(input_of(labels, u), y, given, missing=True)
+
+
+def input_of(labels: Labels, u: Any) -> ArrayLike:
+    """Return the input of signals or of a record for a model with these ``labels``.
+
+    Raises
+    ------
+    InputError
+        If a record has another rate or other units than the model; if the inputs of a record are
+        in another order, or a frame names others.
+    """
+    if isinstance(u, Record):
+        labels.refuse_other(Labels.of(u))
+        return u.u
+    return labels.in_order(u)
 
 
 def _refuse_second_output(y: Any) -> None:

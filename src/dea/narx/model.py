@@ -14,7 +14,7 @@ from dea.equation import equation_html, equation_latex, scaled_signals
 from dea.errors import InputError
 from dea.missing import filled
 from dea.narx.checks import Array, as_input, as_signal
-from dea.narx.labels import Labels, pair
+from dea.narx.labels import Labels, input_of, pair
 from dea.narx.metrics import nmse
 from dea.narx.prediction import predicted
 from dea.narx.scaling import OneInput, Scaling
@@ -142,13 +142,15 @@ class NarxModel:
         """Standard deviation of each parameter, or None where none was estimated."""
         return None if self.covariance is None else np.sqrt(np.diag(self.covariance))
 
-    def simulate(self, u: ArrayLike, y_initial: ArrayLike | None = None) -> Array:
+    def simulate(self, u: ArrayLike | Record, y_initial: ArrayLike | None = None) -> Array:
         """Free-run simulation: the model is fed its own past outputs.
 
         Parameters
         ----------
         u
-            Input in physical units, shape (samples,); several are columns, (samples, inputs).
+            Input in physical units, shape (samples,), or a :class:`dea.Record`, whose input is
+            taken; several are columns, (samples, inputs). The columns of a pandas frame are found
+            by the names that the model knows.
         y_initial
             The first ``max_lag`` outputs in physical units; more may be given, so that a measured
             output can be passed whole. By default the output's offset.
@@ -163,7 +165,7 @@ class NarxModel:
             ``max_lag`` outputs away. From the sample on where the run diverges, beyond 1e10 in the
             units of the equation, it is ``inf``.
         """
-        inputs = self.scaling.normalise_input(as_input(u))
+        inputs = self.scaling.normalise_input(as_input(input_of(self.labels, u)))
         if y_initial is None:
             initial = np.zeros(self.max_lag)
         else:

@@ -12,8 +12,10 @@ from dea.missing import filled
 from dea.narx import (
     LEVEL,
     NarxModel,
+    as_input,
     as_signal,
     covariance_of,
+    input_of,
     quantile,
     simulate,
     simulate_varying,
@@ -163,7 +165,7 @@ def normalised_signals(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Normalis
     outputs, seen = filled(as_signal(y, "y", missing=True))
     model.predict(u, outputs)
     return NormalisedSignals(
-        model.scaling.normalise_input(np.asarray(u, dtype=float)),
+        model.scaling.normalise_input(as_input(input_of(model.labels, u))),
         model.scaling.normalise_output(outputs),
         seen,
     )
