@@ -79,6 +79,17 @@ def test_names_and_units_are_those_that_signals_carry():
     assert (given.inputs, given.y_name, given.y_units) == ([("a", "V")], "b", "m")
 
 
+@pytest.mark.parametrize("given", ["mm", ("V",), ["V", "mm", "s"]])
+def test_units_and_names_are_pairs(given):
+    pair = r"Give a pair, of input and output: \('{}', '{}'\)"
+    told = re.escape(f"units: it is {given!r}. ") + pair.format("V", "mm")
+    with pytest.raises(InputError, match=told):
+        Record.of(U, Y, 1.0, units=given)
+    told = re.escape(f"names: it is {given!r}. ") + pair.format("voltage", "displacement")
+    with pytest.raises(InputError, match=told):
+        Record.of(U, Y, 1.0, names=given)
+
+
 def test_a_single_column_is_one_input():
     record = Record.of(U[:, None], Y, 1.0, units=(["V"], "mm"), names=(["a"], "b"))
     np.testing.assert_array_equal(record.u, U)

@@ -85,14 +85,14 @@ class Record(NamedTuple):
         sampling_rate
             In Hz.
         units, names
-            Of input and output, where the signals do not carry them; of several inputs one text
-            for all or one for each.
+            Of input and output, in place of what the signals carry; nothing is converted. Of
+            several inputs one text for all or one for each.
 
         Raises
         ------
         InputError
             If the signals differ in length, the input has a missing value, an output is infinite, a
-            value is too large to square, or the rate is not positive.
+            value is too large to square, the rate is not positive, or units or names are no pair.
         """
         inputs, outputs = (real_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
         if inputs.ndim == 2 and inputs.shape[1] == 1:
@@ -127,8 +127,10 @@ class Record(NamedTuple):
             )
         carried = [getattr(each, "attrs", {}) for each in (u, y)]
         own = [getattr(each, "name", None) for each in (u, y)]
-        of_inputs, y_units = units or [str(each.get("units", "1")) for each in carried]
-        called, y_name = names or [
+        of_inputs, y_units = _of_both(units, "units", "V", "mm") or [
+            str(each.get("units", "1")) for each in carried
+        ]
+        called, y_name = _of_both(names, "names", "voltage", "displacement") or [
             str(attributes.get("long_name", name or role))
             for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
         ]
@@ -204,6 +206,15 @@ def real_numbers(signal: Any, field: str) -> np.ndarray:
         raise InputError(
             f"it holds no numbers: {error}", field=field, remedy="Give an array of numbers"
         ) from error
+
+
+def _of_both(given: Any, field: str, *example: str) -> Any:
+    """Return texts of input and output where they are given, checked to be a pair."""
+    if given is not None and (isinstance(given, str) or len(given) != 2):
+        raise InputError(
+            f"it is {given!r}", field=field, remedy=f"Give a pair, of input and output: {example}"
+        )
+    return given
 
 
 def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:
