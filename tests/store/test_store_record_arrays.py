@@ -42,6 +42,12 @@ def test_masked_outputs_are_missing_and_complex_signals_refused():
         Record.of(U + 0j, Y, 1.0)
 
 
+def test_fewer_than_two_samples_are_no_record():
+    for samples in (1, 0):
+        with pytest.raises(InputError, match="two signals of one length, of two samples at least"):
+            Record.of(U[:samples], Y[:samples], 1.0)
+
+
 def test_two_samples_are_a_record_and_a_missing_input_is_refused():
     assert Record.of(U[:2], Y[:2], 1.0).time.tolist() == [0.0, 1.0]
     for missing in (np.nan, np.inf):

@@ -106,8 +106,8 @@ class Record(NamedTuple):
             raise InputError(
                 f"input and output have shapes {inputs.shape} and {outputs.shape}",
                 field="u, y",
-                remedy="Give two signals of one length, each with one dimension; several inputs"
-                " are the columns of u",
+                remedy="Give two signals of one length, of two samples at least, each with one"
+                " dimension; several inputs are the columns of u",
             )
         if not np.isfinite(inputs).all():
             raise InputError(
