@@ -142,6 +142,15 @@ def test_a_part_begins_with_its_first_time_and_ends_before_its_last():
     assert found.sampling_rate == 2.0
 
 
+@pytest.mark.parametrize(("first", "last"), [(3, 7), (6, 9)])
+@pytest.mark.parametrize("off", [-1e-9, 1e-9])
+def test_times_that_rounding_moved_are_those_of_their_samples(first, last, off):
+    record = Record.of(np.arange(10.0), np.arange(10.0), 10.0)
+    found = record.part(first / 10 + off, last / 10 + off)
+    np.testing.assert_array_equal(found.y, np.arange(first, last))
+    assert record.part(0.1 + 0.2, 0.7).y[0] == 3.0
+
+
 @pytest.mark.parametrize("ends", [(1.0, 1.0), (1.1, 1.4), (2.0, 1.0), (2.6, 3.0)])
 def test_a_part_without_a_sample_is_refused(ends):
     with pytest.raises(InputError, match=r"first, last: no sample .* from 0 to 2\.5 s"):

@@ -14,6 +14,7 @@ from dea.inputs import input_count
 
 _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
+_ROUNDING = 1e-6  # of a sample, by which a time may miss it
 # Factor that the sum of squares keeps below overflow, for models whose terms are multiples of it.
 _ROOM = 1e6
 
@@ -151,12 +152,15 @@ class Record(NamedTuple):
     def part(self, first: float, last: float = np.inf) -> "Record":
         """Return the samples from ``first`` to before ``last``, both in s, or to the end.
 
+        A time that is that of a sample but for rounding, to a millionth of a sample, counts as it.
+
         Raises
         ------
         InputError
             If there are none, or the record ends before ``last``.
         """
-        begin, end = np.searchsorted(self.time, [first, last])
+        rounding = _ROUNDING / self.sampling_rate
+        begin, end = np.searchsorted(self.time, [first - rounding, last - rounding])
         if end <= begin:
             raise InputError(
                 f"no sample lies from {first:g} to before {last:g} s; the record goes from"
