@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import dea
 from dea.errors import InputError
-from dea.narx import NarxModel, held_out_error
+from dea.narx import NarxModel, Scaling, held_out_error
 from dea.terms import Term
 
 RATE = 20.0
@@ -193,3 +193,18 @@ def test_a_model_runs_on_signals_that_do_not_vary():
 def test_an_output_beside_a_record_is_refused(found, use):
     with pytest.raises(InputError, match=r"given beside a dea\.Record"):
         use(found, record(), record().y)
+
+
+@pytest.mark.parametrize("rate", [20, np.int64(20), np.float32(20.0)])
+def test_a_model_is_plain_values_whatever_numbers_it_was_made_from(rate, tmp_path):
+    of_integers = dea.Record.of(*made(), rate)
+    model = dea.select_terms(of_integers, y_lags=1, u_lags=2, degree=2)
+    model.save(tmp_path / "model.nc")
+    for each in (model, NarxModel.load(tmp_path / "model.nc")):
+        assert json.loads(json.dumps(each.to_dict()))["labels"]["sampling_rate"] == 20.0
+    scaling = Scaling(np.float32(0.5), np.int64(2), np.float32(0.25), np.float64(3.0))
+    narrow = NarxModel.from_terms({"y(t-1)": 0.5}, scaling=scaling)
+    assert json.loads(json.dumps(narrow.to_dict()))["scaling"]["y_offset"] == 0.25
+    labels = {"sampling_rate": np.int64(20), "u_units": "V"}
+    loaded = NarxModel.from_dict(narrow.to_dict() | {"labels": labels})
+    assert json.loads(json.dumps(loaded.to_dict()))["labels"]["sampling_rate"] == 20.0

@@ -47,6 +47,8 @@ class Labels:
             for name, value in attributes.items()
             if name in cls.__dataclass_fields__
         }
+        if found.get("sampling_rate") is not None:
+            found["sampling_rate"] = float(found["sampling_rate"])
         return cls(**found)
 
     def refuse_other(self, record: "Labels") -> None:

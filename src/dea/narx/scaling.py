@@ -45,6 +45,9 @@ class Scaling:
                 each = tuple(map(float, values))
                 object.__setattr__(self, name, each[0] if len(each) == 1 else each)
         for name, value in vars(self).items():
+            if not np.ndim(value):
+                object.__setattr__(self, name, float(value))
+        for name, value in vars(self).items():
             if not np.isfinite(value).all() or (name.endswith("scale") and np.min(value) <= 0.0):
                 raise InputError(
                     f"it is {value}",

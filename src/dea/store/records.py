@@ -139,8 +139,9 @@ class Record(NamedTuple):
         if names is None and (number > 1 or hasattr(u, "columns")):
             called = list(map(str, getattr(u, "columns", input_names(number))))
         u_units, u_name = _for_each(of_inputs, number, "units"), _called(called, number)
-        time = np.arange(outputs.size) / sampling_rate
-        return cls(time, inputs, outputs, sampling_rate, u_units, y_units, u_name, y_name)
+        rate = float(sampling_rate)
+        time = np.arange(outputs.size) / rate
+        return cls(time, inputs, outputs, rate, u_units, y_units, u_name, y_name)
 
     @classmethod
     def read(cls, path: str | Path, **columns: Any) -> "Record":
