@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import dea
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling, held_out_error
+from dea.narx import NarxModel, Scaling, estimate, held_out_error, lag_choices, refine
 from dea.terms import Term
 
 RATE = 20.0
@@ -208,3 +208,27 @@ def test_a_model_is_plain_values_whatever_numbers_it_was_made_from(rate, tmp_pat
     labels = {"sampling_rate": np.int64(20), "u_units": "V"}
     loaded = NarxModel.from_dict(narrow.to_dict() | {"labels": labels})
     assert json.loads(json.dumps(loaded.to_dict()))["labels"]["sampling_rate"] == 20.0
+
+
+def test_least_squares_and_refinement_take_the_record():
+    terms, whole = ("y(t-1)", "u(t-1)", "u(t-2)^2"), record()
+    plain = refine(estimate(terms, whole.u, whole.y), whole.u, whole.y)
+    found = refine(estimate(terms, whole), whole)
+    np.testing.assert_array_equal(found.parameters, plain.parameters)
+    assert found.labels.sampling_rate == RATE
+    with pytest.raises(InputError, match="sampling_rate: the record has 1000 Hz, the model"):
+        refine(found, whole._replace(sampling_rate=1000.0))
+    with pytest.raises(InputError, match="y: there is no output"):
+        estimate(terms, whole.u)
+
+
+def test_records_beside_signals_and_a_record_in_place_of_a_list_are_refused():
+    whole = record()
+    with pytest.raises(InputError, match=r"u: record 2 is tuple\. Give a dea\.Record of each"):
+        dea.select_terms([whole, (whole.u, whole.y)])
+    with pytest.raises(InputError, match=r"records: it is one\. Give a list"):
+        dea.select_common_terms(whole)
+    with pytest.raises(InputError, match=r"records: there is none\. Give a list"):
+        dea.select_common_terms([])
+    with pytest.raises(InputError, match=r"y: it is a dea\.Record\. Give its signals, record\.u"):
+        lag_choices(whole)

@@ -11,10 +11,12 @@ from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
 from dea.narx.checks import Array, as_pair, check_variation
+from dea.narx.labels import unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
+from dea.store import Record
 from dea.terms import Term, as_terms, max_lag
 
 Segment = tuple[Array, Array]
@@ -35,7 +37,11 @@ _DEPENDENT = 1e-12  # singular values below this share of the largest are roundi
 
 
 def estimate(
-    terms: Iterable[Term | str], u: Signals, y: Signals, *, scaling: Scaling | None = None
+    terms: Iterable[Term | str],
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None = None,
+    *,
+    scaling: Scaling | None = None,
 ) -> NarxModel:
     """Least-squares estimate (4) of the parameters of ``terms``, with their covariance.
 
@@ -46,7 +52,8 @@ def estimate(
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
         such records, which share the parameters. Several inputs are the columns of ``u``, shape
-        (samples, inputs).
+        (samples, inputs). Or one or several :class:`dea.Record` alone, as for
+        :func:`dea.select_terms`.
     scaling
         By default :func:`scaling_of` the records.
 
@@ -65,11 +72,19 @@ def estimate(
         If the records are not usable or are too short.
     """
     chosen = as_terms(terms)
-    records = as_segments(u, y, max_lag(chosen), len(chosen))
+    lag = max_lag(chosen)
+    inputs, outputs, labels = unpacked(u, y, lag, len(chosen))
+    records = as_segments(inputs, outputs, lag, len(chosen))
     scale = scaling_of(records) if scaling is None else scaling
-    segments = normalised(records, scale)
-    found = least_squares(chosen, segments)
-    return NarxModel(chosen, found.parameters, scale, found.covariance, withheld=found.withheld)
+    found = least_squares(chosen, normalised(records, scale))
+    return NarxModel(
+        chosen,
+        found.parameters,
+        scale,
+        found.covariance,
+        withheld=found.withheld,
+        labels=labels,
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -225,8 +225,23 @@ def _unlike(field: str, record: str, model: str) -> InputError:
 
 
 def records_in(u: Any) -> list[Record] | None:
-    """Return the records where ``u`` is one or several, None where it is signals."""
+    """Return the records where ``u`` is one or several, None where it is signals.
+
+    Raises
+    ------
+    InputError
+        If some are records and others are not.
+    """
     if isinstance(u, Record):
         return [u]
-    several = isinstance(u, Sequence) and bool(u) and all(isinstance(each, Record) for each in u)
-    return list(u) if several else None
+    kinds = [isinstance(each, Record) for each in u] if isinstance(u, Sequence) else []
+    if not any(kinds):
+        return None
+    if not all(kinds):
+        at = kinds.index(False)
+        raise InputError(
+            f"record {at + 1} is {type(u[at]).__name__}",
+            field="u",
+            remedy="Give a dea.Record of each, or lists of inputs and of outputs",
+        )
+    return list(u)

@@ -21,6 +21,7 @@ from dea.narx.estimation import (
     too_little,
 )
 from dea.narx.estimation import least_squares as least_squares_of
+from dea.narx.labels import unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import (
     DEPENDENT,
@@ -31,6 +32,7 @@ from dea.narx.parameter_covariance import (
 )
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, input_rows, simulate, structure
+from dea.store import Record
 from dea.terms import Term
 
 _SMOOTHED = 9  # samples over which outputs are smoothed for a second start
@@ -58,7 +60,13 @@ class Minimum(NamedTuple):
     msse: float  # mean squared simulated error (6), normalised units
 
 
-def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) -> NarxModel:
+def refine(
+    model: NarxModel,
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None = None,
+    *,
+    iterations: int = 30,
+) -> NarxModel:
     """Return ``model`` with the parameters that minimise its simulated error (6).
 
     Least squares minimises the one-step error instead, which noise on the output biases; this
@@ -82,10 +90,12 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     Raises
     ------
     InputError
-        If the records are not usable or the model's free run on them diverges.
+        If the records are not usable or unlike the model's own, or its free run on them diverges.
     """
-    records = as_segments(u, y, model.max_lag, len(model.terms))
-    segments = normalised(records, model.scaling)
+    lag, count = model.max_lag, len(model.terms)
+    inputs, outputs, labels = unpacked(u, y, lag, count)
+    model.labels.refuse_other(labels)
+    segments = normalised(as_segments(inputs, outputs, lag, count), model.scaling)
     fit = fit_free_runs(model.terms, model.parameters, segments, iterations)
     if not np.isfinite(fit.msse):
         raise InputError(

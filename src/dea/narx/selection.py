@@ -166,8 +166,12 @@ def select_common_terms(
         One for each system, all with the same terms in the same order.
     """
     _check_search(search, Refined)
-    if not records:
-        raise InputError("there is none", field="records", remedy="Give one pair per system.")
+    if isinstance(records, Record) or not len(records):
+        raise InputError(
+            "it is one" if isinstance(records, Record) else "there is none",
+            field="records",
+            remedy="Give a list, with a record or a pair of signals of each system.",
+        )
     pairs = [(each, None) if isinstance(each, Record) else each for each in records]
     inputs = _inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)

@@ -200,8 +200,14 @@ def real_numbers(signal: Any, field: str) -> np.ndarray:
     Raises
     ------
     InputError
-        Where it is complex, or holds none.
+        Where it is complex, holds none, or is a whole record.
     """
+    if isinstance(signal, Record):
+        raise InputError(
+            "it is a dea.Record",
+            field=field,
+            remedy="Give its signals, record.u and record.y",
+        )
     values = np.ma.asarray(signal)
     if np.iscomplexobj(values):
         raise InputError("it is complex", field=field, remedy="Give its real part")
