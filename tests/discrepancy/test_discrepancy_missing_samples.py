@@ -55,6 +55,14 @@ def test_what_is_no_record_is_refused(given):
     [
         ({"workers": 0}, "workers: it is 0. Give at least one"),
         ({"test_records": []}, "test_records: it is list. Give them by name"),
+        (
+            {"test_records": {"x": np.ones(9)}},
+            r"test_records\.x: it is ndarray\. Give a dea\.Record",
+        ),
+        (
+            {"settings": {"effects": ["drag"]}},
+            r"settings: it is dict\. Give dea\.discrepancy\.Settings",
+        ),
     ],
 )
 def test_arguments_of_another_kind_are_refused(wrong, words):
@@ -62,3 +70,5 @@ def test_arguments_of_another_kind_are_refused(wrong, words):
     record = Record.of(u, u, 50.0, units=("V", "mm"))
     with pytest.raises(InputError, match=words):
         diagnose(record, "dea_membrane", **wrong)
+    with pytest.raises(InputError, match="record: it is list, of which record 2 is ndarray"):
+        diagnose([record, u], "dea_membrane")

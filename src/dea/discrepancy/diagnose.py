@@ -1,7 +1,7 @@
 """Name what a simulation is missing, from a record of the device it describes."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -90,8 +90,11 @@ def diagnose(
     simulation
         A simulation, the name of one that comes with the study, or a Python file.
     test_records
-        Records of the same device under other excitations, to certify on: they can withdraw an
-        answer, but choose none.
+        Records of the same device under other excitations, by name, to certify on: they can
+        withdraw an answer, but choose none.
+    settings
+        :class:`dea.discrepancy.Settings`: which effects are offered, the slowest time constant of
+        the device, how far the search goes.
     workers
         Threads that candidates are fitted on; the result does not depend on it.
 
@@ -103,7 +106,13 @@ def diagnose(
     """
     if workers < 1:
         raise InputError(f"it is {workers}", field="workers", remedy="Give at least one")
-    settings = settings or Settings()
+    settings = Settings() if settings is None else settings
+    if not isinstance(settings, Settings):
+        raise InputError(
+            f"it is {type(settings).__name__}",
+            field="settings",
+            remedy="Give dea.discrepancy.Settings(effects=…), or none",
+        )
     rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     rng = generator(settings.seed, settings.name, "diagnose")
@@ -204,13 +213,20 @@ def _tested_all(
 
 def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
     """Return the signals of a test record, which an error names."""
+    field = f"test_records.{name}"
+    if not _is_record(record):
+        raise InputError(
+            f"it is {type(record).__name__}",
+            field=field,
+            remedy="Give a dea.Record, or a dataset; dea.Record.of makes one",
+        )
     try:
         return signals_of(record, simulation)
     except InputError as error:
         raise InputError(
             error.problem,
             file=error.file,
-            field=f"test_records.{name}.{error.field}",
+            field=f"{field}.{error.field}",
             remedy=error.remedy,
         ) from None
 
@@ -218,20 +234,25 @@ def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) ->
 def _listed(
     record: "Record | xr.Dataset | Sequence[Record | xr.Dataset]",
 ) -> "list[Record | xr.Dataset]":
+    single = _is_record(record) or not isinstance(record, list | tuple)
+    given: list[Any] = [record] if single else list(record)
+    for number, each in enumerate(given, start=1):
+        if not _is_record(each):
+            of_list = "" if single else f"{type(record).__name__}, of which record {number} is "
+            raise InputError(
+                f"it is {of_list}{type(each).__name__}",
+                field="record",
+                remedy="Give a dea.Record, a dataset, or a list of them; dea.Record.of makes one",
+            )
+    return given
+
+
+def _is_record(given: object) -> bool:
     import xarray as xr
 
     from dea.store import Record
 
-    single = isinstance(record, Record | xr.Dataset) or not isinstance(record, list | tuple)
-    given = [record] if single else list(record)
-    known = [each for each in given if isinstance(each, Record | xr.Dataset)]
-    if len(known) < len(given):
-        raise InputError(
-            f"it is {type(record).__name__}",
-            field="record",
-            remedy="Give a dea.Record, a dataset, or a list of them; dea.Record.of makes one",
-        )
-    return known
+    return isinstance(given, Record | xr.Dataset)
 
 
 def _offered(names: Sequence[str]) -> list[Effect]:
