@@ -67,5 +67,5 @@ def test_units_must_match(tmp_path):
 
 def test_a_record_must_be_long_enough(tmp_path):
     short = recorded(seconds=2.0).isel(time=slice(50))
-    with pytest.raises(InputError, match="the split needs"):
+    with pytest.raises(InputError, match=r"the split needs .*Settings\(slowest_time"):
         diagnose(short, carriage(tmp_path).as_posix(), settings=Settings())

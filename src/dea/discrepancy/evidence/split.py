@@ -125,7 +125,8 @@ def split(
         f"the record holds {size * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed * interval:g} s",
         field="record",
-        remedy="Record longer, or give the case a shorter `split.slowest_time`",
+        remedy="Record longer, or give a shorter time: `split.slowest_time` of a case,"
+        " dea.discrepancy.Settings(slowest_time=…) in Python",
     )
 
 
