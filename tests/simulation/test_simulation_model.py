@@ -428,6 +428,34 @@ def test_a_users_simulation_is_checked(tmp_path, changed, message):
 
 
 @pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            {"derivative": lambda x, u, p: x[0]},
+            r"derivative: it takes 3 arguments\. Give a function derivative\(x, u, p, dx\)",
+        ),
+        (
+            {"output": lambda x: x[0]},
+            r"output: it takes 1 argument\. Give a function output\(x, u, p\)",
+        ),
+        ({"derivative": None}, r"derivative: it is NoneType, no function\. Give a function"),
+        ({"output": 1.0}, r"output: it is float, no function\. Give a function"),
+    ],
+)
+def test_equations_are_functions_of_the_arguments_that_they_get(changed, message):
+    own = load_simulation("mass_spring_damper")
+    with pytest.raises(InputError, match=message):
+        replace(own, **changed)
+
+
+def test_the_equation_of_a_file_that_takes_other_arguments_is_named(tmp_path):
+    path = write_own(tmp_path / "own.py")
+    path.write_text(path.read_text().replace("output(x, u, p)", "output(x, u)"))
+    with pytest.raises(InputError, match=r"own\.py: output: it takes 2 arguments"):
+        load_simulation(path)
+
+
+@pytest.mark.parametrize(
     ("port", "message"),
     [
         (

@@ -1,5 +1,6 @@
 """A physics simulation of a device."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -245,6 +246,7 @@ class Simulation:
             (self.derivative, "derivative", (np.empty_like(x),)),
             (self.output, "output", ()),
         ):
+            self._check_arguments(function, role, ("x", "u", "p", "dx")[: 3 + len(own)])
             undeclared = beyond(function, (x.size, len(self.inputs), p.size, x.size))
             if undeclared:
                 raise self._error(
@@ -277,6 +279,21 @@ class Simulation:
             except (ArithmeticError, ValueError, NameError, TypeError):
                 # Compiled, these give infinities or NaN, or the compiler refuses them.
                 continue
+
+    def _check_arguments(self, function: Any, role: str, names: tuple[str, ...]) -> None:
+        """Check that a function can be called with as many arguments as there are names."""
+        if not callable(function):
+            problem = f"it is {type(function).__name__}, no function"
+        else:
+            takes = inspect.signature(getattr(function, "py_func", function))
+            try:
+                takes.bind(*names)
+            except TypeError:
+                count = len(takes.parameters)
+                problem = f"it takes {count} argument{'s' * (count != 1)}"
+            else:
+                return
+        raise self._error(problem, role, f"Give a function {role}({', '.join(names)})")
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
