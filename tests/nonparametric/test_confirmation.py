@@ -187,6 +187,12 @@ def test_a_band_around_a_response_has_its_half_widths():
     np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 
+def spoilt(record, name, value):
+    """The record with one other value in its first stretch."""
+    at = np.flatnonzero(record["probing"].values == 1)[5]
+    return record.assign({name: record[name].where(np.arange(2400) != at, value)})
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -195,6 +201,9 @@ def test_a_band_around_a_response_has_its_half_widths():
         (lambda r: r.assign(realisation=r.realisation.clip(max=1)), "interrupted"),
         (lambda r: r.assign(probing=r.probing.where(r.realisation == 1, 0)), "1 realisations"),
         (lambda r: r.drop_attrs(deep=False), "period: the period"),
+        (lambda r: spoilt(r, "input", np.nan), "1 samples of stretch 1 are flagged or not finite"),
+        (lambda r: spoilt(r, "output", np.inf), "1 samples of stretch 1 are flagged or not finite"),
+        (lambda r: spoilt(r, "output", np.nan), "1 samples of stretch 1 are flagged or not finite"),
         (lambda r: r.assign_attrs(probing_period=10.03), "not a whole number"),
         (lambda r: r.assign_attrs(probing_period=15.0), "1 whole periods"),
     ],

@@ -206,6 +206,16 @@ def test_an_input_that_was_not_written_is_the_one_before_and_at_the_start_the_fi
     np.testing.assert_array_equal(np.isnan(record.y), np.isnan(u))
 
 
+def test_samples_that_are_not_finite_are_left_out():
+    u, y = np.arange(8.0), np.arange(8.0)
+    u[2], y[5] = np.nan, np.inf
+    record = signals(
+        dataset(input=("time", u, {"units": "V"}), output=("time", y, {"units": "mm"}))
+    )
+    assert np.flatnonzero(np.isnan(record.y)).tolist() == [2, 5]
+    assert record.u[2] == 1.0
+
+
 def refused(words, file=FILE, **changes):
     with pytest.raises(InputError, match=words) as caught:
         check_record(dataset(**changes), file)

@@ -37,8 +37,8 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
     Raises
     ------
     InputError
-        If there is no such stretch, a realisation is interrupted, holds flagged samples or no two
-        whole periods, or a stretch has fewer than two realisations.
+        If there is no such stretch, a realisation is interrupted, holds samples that are flagged or
+        not finite or no two whole periods, or a stretch has fewer than two realisations.
     """
     for name in ("probing", "realisation"):
         if name not in record:
@@ -72,11 +72,11 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
                 remedy="Two of each at least tell noise and nonlinear distortion apart.",
             )
         at = np.stack([part[:count] for part in cut])
-        flagged = int(np.count_nonzero(np.isnan(whole.y[at])))
-        if flagged:
+        missing = int(np.count_nonzero(np.isnan(whole.y[at])))
+        if missing:
             raise InputError(
-                f"{flagged} samples of stretch {stretch} are flagged; responses over whole periods"
-                " need every sample",
+                f"{missing} samples of stretch {stretch} are flagged or not finite; responses over"
+                " whole periods need every sample",
                 field="quality",
                 remedy="Record the multisines again, or cut the stretch.",
             )

@@ -252,7 +252,8 @@ def signals(record: xr.Dataset) -> Record:
     """Return input and output of a record as arrays, whatever it calls them.
 
     The output of a flagged sample is NaN, its input what was applied. A lost sample of a record
-    that was finished was never written, so that the device held the input before.
+    that was finished was never written, so that the device held the input before. A sample whose
+    input or output is not a finite number is left out like a flagged one.
 
     Raises
     ------
@@ -261,16 +262,18 @@ def signals(record: xr.Dataset) -> Record:
     """
     _require_good(record, record.encoding.get("source"))
     driving, y = _driving(record), _first(record, _OUTPUTS)
-    held = [_held(each.values.astype(float)) for each in driving]
+    applied = [each.values.astype(float) for each in driving]
+    held = [_held(each) for each in applied]
     names = tuple(str(each.attrs.get("long_name", each.name)) for each in driving)
     units = tuple(str(each.attrs["units"]) for each in driving)
     several = len(driving) > 1
     time = record["time"].values.astype(float)
-    flagged = _flagged(record)
+    measured = y.values.astype(float)
+    good = ~_flagged(record) & np.isfinite([*applied, measured]).all(axis=0)
     return Record(
         time=time,
         u=np.array(held).T if several else held[0],
-        y=np.where(flagged, np.nan, y.values.astype(float)),
+        y=np.where(good, measured, np.nan),
         sampling_rate=float((time.size - 1) / (time[-1] - time[0])),
         u_units=units if several else units[0],
         y_units=y.attrs["units"],
