@@ -206,6 +206,13 @@ def test_an_input_that_was_not_written_is_the_one_before_and_at_the_start_the_fi
     np.testing.assert_array_equal(np.isnan(record.y), np.isnan(u))
 
 
+@pytest.mark.parametrize("name", ["input", "output"])
+def test_signals_without_units_are_refused(name):
+    told = re.escape(f'{name}: its units are not given. Set attrs["units"]')
+    with pytest.raises(InputError, match=told):
+        signals(dataset(**{name: ("time", np.arange(8.0))}))
+
+
 def test_samples_that_are_not_finite_are_left_out():
     u, y = np.arange(8.0), np.arange(8.0)
     u[2], y[5] = np.nan, np.inf

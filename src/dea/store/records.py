@@ -258,14 +258,14 @@ def signals(record: xr.Dataset) -> Record:
     Raises
     ------
     InputError
-        Where every sample is flagged; the message names the flags.
+        Where every sample is flagged, the message names the flags; where units are not given.
     """
     _require_good(record, record.encoding.get("source"))
     driving, y = _driving(record), _first(record, _OUTPUTS)
     applied = [each.values.astype(float) for each in driving]
     held = [_held(each) for each in applied]
     names = tuple(str(each.attrs.get("long_name", each.name)) for each in driving)
-    units = tuple(str(each.attrs["units"]) for each in driving)
+    units = tuple(str(_units_of(each)) for each in driving)
     several = len(driving) > 1
     time = record["time"].values.astype(float)
     measured = y.values.astype(float)
@@ -276,7 +276,7 @@ def signals(record: xr.Dataset) -> Record:
         y=np.where(good, measured, np.nan),
         sampling_rate=float((time.size - 1) / (time[-1] - time[0])),
         u_units=units if several else units[0],
-        y_units=y.attrs["units"],
+        y_units=_units_of(y),
         u_name=names if several else names[0],
         y_name=y.attrs.get("long_name", str(y.name)),
     )
@@ -302,8 +302,7 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     _require_good(record, file)
     driving = _driving(record, file)
     for variable in (*driving, _first(record, _OUTPUTS, file)):
-        if "units" not in variable.attrs:
-            raise InputError("its units are not given", file=file, field=str(variable.name))
+        _units_of(variable, file)
         values = np.where(flagged, 0.0, variable.values)
         _require_finite(values, str(variable.name), file)
         require_squares(values, str(variable.name), file)
@@ -347,6 +346,17 @@ def _first(record: xr.Dataset, names: tuple[str, ...], file: Path | None = None)
         field=" or ".join(names),
         remedy=f"It holds {', '.join(sorted(map(str, record.variables)))}",
     )
+
+
+def _units_of(variable: xr.DataArray, file: Path | None = None) -> Any:
+    if "units" not in variable.attrs:
+        raise InputError(
+            "its units are not given",
+            file=file,
+            field=str(variable.name),
+            remedy='Set attrs["units"] of the variable',
+        )
+    return variable.attrs["units"]
 
 
 def _require_units(variable: xr.DataArray, allowed: tuple[str, ...], file: Path) -> None:
