@@ -152,6 +152,12 @@ def test_the_joint_region_holds_95_percent_of_agreeing_lines():
     assert np.median(shifted.gain) == pytest.approx(1 / 1.2 - 1, abs=2e-3)
 
 
+@pytest.mark.parametrize("drift", [-1, 1.5, "no"])
+def test_a_drift_that_is_no_order_is_refused(record, drift):
+    with pytest.raises(InputError, match=f"drift: it is {drift!r}. Give the order of a polynomial"):
+        best_linear_approximation(record, drift=drift)
+
+
 def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     measured = best_linear_approximation(record, drift=1)
     assert measured.sizes["stretch"] == 2
@@ -204,6 +210,7 @@ def spoilt(record, name, value):
         (lambda r: spoilt(r, "input", np.nan), "1 samples of stretch 1 are flagged or not finite"),
         (lambda r: spoilt(r, "output", np.inf), "1 samples of stretch 1 are flagged or not finite"),
         (lambda r: spoilt(r, "output", np.nan), "1 samples of stretch 1 are flagged or not finite"),
+        (lambda r: r.assign(input=0.0 * r.input.assign_attrs(units="V")), "input: it is constant"),
         (lambda r: r.assign_attrs(probing_period=10.03), "not a whole number"),
         (lambda r: r.assign_attrs(probing_period=15.0), "1 whole periods"),
     ],

@@ -76,8 +76,12 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     Raises
     ------
     InputError
-        If the realisations do not excite the same lines.
+        If the realisations do not excite the same lines or none, or the drift is not an order.
     """
+    if not isinstance(drift, int | np.integer) or drift < 0:
+        raise InputError(
+            f"it is {drift!r}", field="drift", remedy="Give the order of a polynomial, 0 or more"
+        )
     u, y = periods.u, periods.y
     samples = u.shape[-1]
     spectrum_u = np.fft.rfft(u.mean(axis=1)) / samples
@@ -91,6 +95,12 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
             remedy="Change the phases of the multisine alone from one to the next.",
         )
     lines = np.flatnonzero(excited[0])
+    if not lines.size:
+        raise InputError(
+            "it is constant within its periods",
+            field="input",
+            remedy="Record multisines, and number their samples",
+        )
     spectra = np.fft.rfft(np.stack([without_drift(each, drift) for each in y])) / samples
     output = spectra.mean(axis=1)
     told, of_mean = _noise_shares(y.shape[1], samples, drift)
