@@ -25,8 +25,10 @@ def best_linear_approximation(
     Parameters
     ----------
     record
-        A record or its file, with ``probing(time)`` and ``realisation(time)``, which number the
-        samples of whole periods from 1 by stretch and by multisine, and hold 0 elsewhere.
+        An xarray.Dataset or its file, with ``time`` in s, ``input`` and ``output`` with their
+        units (or ``voltage`` and ``displacement``), and ``probing(time)`` and
+        ``realisation(time)``, which number the samples of whole periods from 1 by stretch and by
+        multisine, and hold 0 elsewhere.
     period
         Of the multisines in s; by default the record's attribute ``probing_period``.
     drift
@@ -47,8 +49,9 @@ def best_linear_approximation(
     Raises
     ------
     InputError
-        If the record does not number stretches and realisations, its period is unknown, or
-        realisations hold fewer than two whole periods.
+        If the record does not number stretches and realisations, its period is unknown,
+        realisations hold fewer than two whole periods or samples that are missing, or ``drift`` is
+        not an order.
     """
     if not isinstance(record, xr.Dataset | str | PathLike):
         raise InputError(

@@ -31,6 +31,13 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
         ``time`` likewise, or ``sampling_interval`` in seconds; optionally ``rows`` =
         [first, last + 1] and ``resample`` in seconds.
 
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` in s: ``voltage`` and ``displacement`` of a record of the study, ``input``
+        (of several ``input_1``, ``input_2``, …) and ``output`` of another, with their units and
+        names as attributes; ``quality`` where samples are flagged.
+
     Raises
     ------
     InputError
