@@ -100,8 +100,9 @@ def track_parameters(
         enters are left out.
     method
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
-        own parameters; uses the past alone, but for the scale of the regressors. ``kalman``:
-        random-walk Kalman filter and smoother; each estimate uses the whole record.
+        own parameters; uses samples up to that of the estimate, but for the scale of the
+        regressors and the first ``model.max_lag`` samples, at which the first estimate stands.
+        ``kalman``: random-walk Kalman filter and smoother; each estimate uses the whole record.
         ``output_error``: the same smoother on the free run
         instead of the one-step prediction, starting from ``kalman``; unbiased where the output is
         noisy. ``local``: the parameters that minimise the error of the free run over a window
