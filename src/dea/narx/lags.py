@@ -66,8 +66,9 @@ def select_lags(
         One record, as for :func:`dea.narx.held_out_error`.
     choices
         Pairs of output lags and input lags, as for :func:`dea.select_terms`. By default
-        :func:`dea.narx.lag_choices` of the record. Those from which nothing can be selected, or
-        that are longer than a part, are left out.
+        :func:`dea.narx.lag_choices` of the record, none of which leaves out the first lags: give
+        input lags that begin after a pure delay where there may be one, as ``(3, [10, 11, 12])``.
+        Those from which nothing can be selected, or that are longer than a part, are left out.
     degree, even_in_input
         As for :func:`dea.select_terms`.
     thresholds
