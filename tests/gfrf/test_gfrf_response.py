@@ -202,3 +202,26 @@ def test_wrong_requests_are_refused(options, field):
     with pytest.raises(InputError) as caught:
         frequency_response(NarxModel.from_terms(DEA2), sampling_rate=RATE, **options)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (([1.0, 2.0],), r"order: it is \[1\.0, 2\.0\]\. Give a whole number, 1 or more, before"),
+        ((1, [1.0, np.nan]), "frequencies: one is nan. Give finite numbers in Hz"),
+        ((1, np.inf), "frequencies: one is inf. Give finite numbers in Hz"),
+        ((1, (1.0, 2.0)), "2 frequency arrays for order 1. Give an array, not a tuple"),
+        ((2, [1.0, 2.0]), "1 frequency arrays for order 2. Give a tuple of 2 arrays"),
+    ],
+)
+def test_what_is_wrong_with_orders_and_frequencies_is_named(given, message):
+    model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
+    with pytest.raises(InputError, match=message):
+        frequency_response(model, *given, sampling_rate=50.0)
+
+
+@pytest.mark.parametrize("level", [np.nan, -np.inf])
+def test_an_operating_point_that_is_not_finite_is_refused(level):
+    model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
+    with pytest.raises(InputError, match=f"operating_point: it is {level}. Give a finite number"):
+        frequency_response(model, 1, 1.0, 50.0, operating_point=level)

@@ -174,8 +174,12 @@ def zero_input_response(
 def _radians(
     order: int, frequencies: ArrayLike | Sequence[ArrayLike], sampling_rate: float
 ) -> list[Array]:
-    if order < 1:
-        raise InputError(f"it is {order}", field="order", remedy="It is 1 or more")
+    if not isinstance(order, int | np.integer) or order < 1:
+        raise InputError(
+            f"it is {order!r}",
+            field="order",
+            remedy="Give a whole number, 1 or more, before the frequencies",
+        )
     if not sampling_rate > 0.0:
         raise InputError(f"it is {sampling_rate}", field="sampling_rate", remedy="It is positive")
     given = frequencies if isinstance(frequencies, tuple) else (frequencies,)
@@ -183,10 +187,18 @@ def _radians(
         raise InputError(
             f"there are {len(given)} frequency arrays for order {order}",
             field="frequencies",
-            remedy="Give a tuple with one array per order",
+            remedy="Give an array, not a tuple, of the frequencies"
+            if order == 1
+            else f"Give a tuple of {order} arrays, one for each frequency of a product",
         )
     arrays = [np.asarray(f, dtype=float) for f in given]
     for f in arrays:
+        if not np.isfinite(f).all():
+            raise InputError(
+                f"one is {f[~np.isfinite(f)].flat[0]}",
+                field="frequencies",
+                remedy="Give finite numbers in Hz",
+            )
         bad = f[~(np.abs(f) <= 0.5 * sampling_rate)]
         if bad.size:
             raise InputError(
@@ -263,7 +275,7 @@ def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Ar
     Raises
     ------
     InputError
-        If it is not one number for each input.
+        If it is not one finite number for each input.
     """
     if operating_point is None:
         return np.zeros(model.inputs)
@@ -273,6 +285,12 @@ def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Ar
             f"{given.size} numbers for {model.inputs} input{'s' if model.inputs > 1 else ''}",
             field="operating_point",
             remedy="Give one number for each input, in physical units",
+        )
+    if not np.isfinite(given).all():
+        raise InputError(
+            f"it is {operating_point}",
+            field="operating_point",
+            remedy="Give a finite number for each input, in physical units",
         )
     return (given - model.scaling.u_offset) / model.scaling.u_scale
 
