@@ -16,7 +16,7 @@ from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
-from dea.store import Record
+from dea.store import Record, real_numbers
 from dea.terms import Term, as_terms, max_lag
 
 Segment = tuple[Array, Array]
@@ -186,6 +186,8 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
             field="u",
             remedy="Give as many records of the one as of the other.",
         )
+    for each in outputs:
+        _refuse_missing(each)
     records = [as_pair(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)]
     counts = sorted({input_count(u) for u, _ in records})
     if len(counts) > 1:
@@ -196,6 +198,16 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
         )
     check_variation(*zip(*records, strict=True))
     return records
+
+
+def _refuse_missing(y: ArrayLike) -> None:
+    missing = np.flatnonzero(np.isnan(real_numbers(y, "y")))
+    if missing.size:
+        raise InputError(
+            f"{missing.size} samples are missing, the first is sample {missing[0]}",
+            field="y",
+            remedy="Give dea.Record.of(u, y, sampling_rate), of which they are left out",
+        )
 
 
 def listed(signals: Signals) -> list[ArrayLike]:

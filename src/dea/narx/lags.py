@@ -86,9 +86,17 @@ def select_lags(
     Raises
     ------
     InputError
-        If there is nothing to choose from, or no choice is left.
+        If there is nothing to choose from, no choice is left, or an output is missing.
     """
-    inputs, outputs = as_record(*pair(Labels(), u, y, 1))
+    given = pair(Labels(), u, y, 1)
+    missing = np.flatnonzero(np.isnan(given[1]))
+    if missing.size:
+        raise InputError(
+            f"{missing.size} samples are missing, the first is sample {missing[0]}",
+            field="y",
+            remedy="Give a part without a missing sample, as record.part(first, last)",
+        )
+    inputs, outputs = as_record(*given)
     offered: Sequence[tuple[Lags, InputLags]] = (
         lag_choices(outputs, even_in_input=even_in_input) if choices is None else choices
     )
