@@ -15,7 +15,7 @@ _CURVE_POINTS, _COURSE_POINTS = 8001, 4001
 
 
 @njit(cache=True)
-def _between(table: Array, low: float, step: float, x: float) -> float:
+def between(table: Array, low: float, step: float, x: float) -> float:
     """Interpolate in an evenly spaced table, and beyond its ends along its last pieces."""
     last = table.shape[0] - 2
     place = (x - low) / step
@@ -27,7 +27,7 @@ def _between(table: Array, low: float, step: float, x: float) -> float:
 @njit(cache=True)
 def _mapped(c: Array, m: Array, signal: Array) -> None:
     for k in range(signal.shape[0]):
-        signal[k] = _between(c[2:], c[0], c[1], signal[k])
+        signal[k] = between(c[2:], c[0], c[1], signal[k])
 
 
 def _curve(
@@ -77,7 +77,7 @@ def _shifted(c: Array, m: Array, signal: Array) -> None:
 @njit(cache=True)
 def _until_end(c: Array, t: float) -> float:
     """Return the course's value at time ``t``; it keeps its last value after its end."""
-    return _between(c[2:], 0.0, c[0], min(t, c[0] * (c.shape[0] - 3)))
+    return between(c[2:], 0.0, c[0], min(t, c[0] * (c.shape[0] - 3)))
 
 
 def gain_course(course: Callable[[Array], Array], duration: float, power: float) -> SignalLaw:
