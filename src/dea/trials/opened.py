@@ -10,6 +10,7 @@ COUNTERPARTS = {
     ("dead_zone", "threshold"): "threshold",
     ("input_saturation", "limit"): "limit",
     ("output_saturation", "limit"): "upper_end",
+    ("backlash", "gap"): "gap",
     ("slew_limit", "rate"): "rate",
     ("transport_delay", "delay"): "delay",
     ("second_mode", "frequency"): "frequency",

@@ -136,11 +136,12 @@ class Trial:
         }
 
     def _defining(self, effect: HiddenEffect) -> dict[str, float]:
-        """Return the values that define an effect, places of the output in the unit of records."""
+        """Return the values that define an effect, lengths of the output in the unit of records."""
         values = effect.build(self.conditions).defining
-        if "limit" in values and EFFECTS[effect.name].port is not Port.INPUT:
-            values["limit"] *= self.kind.scale
-        return values
+        if EFFECTS[effect.name].port is Port.INPUT:
+            return values
+        lengths = {"limit", "gap"}
+        return {n: self.kind.scale * v if n in lengths else v for n, v in values.items()}
 
     def write(self, path: Path) -> None:
         """Write the whole trial, label and all, as JSON: a sealed file."""
