@@ -2,6 +2,7 @@
 
 from dea.plant.hidden.effect import EffectKind
 from dea.plant.hidden.forms import (
+    backlash,
     command_curves,
     delays,
     disturbances,
@@ -21,8 +22,8 @@ from dea.plant.hidden.forms import (
 
 # The reporting set draws by this order; tuning sets change when forms are added.
 _MODULES = (
-    command_curves, reading_curves, slewing, delays, lags, leakage, memory, friction, mechanics,
-    stops, drifts, faults, disturbances, foreign_motion, foreign,
+    command_curves, reading_curves, slewing, delays, lags, leakage, memory, friction, backlash,
+    mechanics, stops, drifts, faults, disturbances, foreign_motion, foreign,
 )  # fmt: skip
 
 EFFECTS: dict[str, EffectKind] = {

@@ -21,7 +21,7 @@ _ALIKE = (
     {"slew_limit", "transport_delay", "electrode_lag", "sensor_lag"},
     {"gain_drift", "baseline_drift", "stress_relaxation", "viscoelastic_creep",
      "cyclic_softening", "charge_leakage"},
-    {"coulomb_friction", "rate_independent_hysteresis"},
+    {"coulomb_friction", "rate_independent_hysteresis", "backlash"},
 )  # fmt: skip
 # What a device cannot have besides forces where nothing moves.
 _IMPOSSIBLE = {"drive": {"charge_leakage"}, "chamber": {"charge_leakage"}}
@@ -29,7 +29,7 @@ _IMPOSSIBLE = {"drive": {"charge_leakage"}, "chamber": {"charge_leakage"}}
 AMBIGUOUS: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("transport_delay",), ("electrode_lag",), ("sensor_lag",)),
     (("viscoelastic_creep",), ("baseline_drift",), ("charge_leakage",), ("stress_relaxation",)),
-    (("rate_independent_hysteresis",), ("coulomb_friction",)),
+    (("rate_independent_hysteresis",), ("coulomb_friction",), ("backlash",)),
     (("cyclic_softening",), ("stress_relaxation",), ("gain_drift",)),
     (("viscoelastic_creep", "coulomb_friction"), ("transport_delay", "viscoelastic_creep"),
      ("cyclic_softening", "electrode_lag"), ("rate_independent_hysteresis", "baseline_drift")),
