@@ -32,6 +32,15 @@ def test_the_band_of_a_free_run_is_the_spread_of_runs_with_drawn_parameters():
     assert high[0] == low[0]
 
 
+def test_the_band_of_a_run_from_rest_begins_where_the_input_acts():
+    """y = theta u(t-1) + 0 u(t-4): the interval is that of theta times |u| from the second on."""
+    model = NarxModel.from_terms({"u(t-1)": 0.5, "u(t-4)": 0.0})
+    known = model.with_parameters(model.parameters, np.diag([4e-6, 0.0]))
+    run, low, high = simulation_interval(known, np.array([1.0, -3.0, 2.0]))
+    np.testing.assert_allclose(run, [0.0, 0.5, -1.5])
+    np.testing.assert_allclose(high - low, 2 * 1.959964 * 2e-3 * np.array([0.0, 1.0, 3.0]))
+
+
 def test_a_withheld_band_is_missing_and_a_model_without_covariance_is_refused():
     doubtful = MODEL.with_parameters(MODEL.parameters, COVARIANCE, "biased")
     assert np.isnan(parameter_interval(doubtful).low).all()

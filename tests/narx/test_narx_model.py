@@ -52,6 +52,20 @@ def test_the_run_starts_from_the_outputs_given():
     assert y[1] == pytest.approx(1.5 + 0.3 * by_hand)
 
 
+def test_a_run_without_initial_outputs_begins_at_rest():
+    """Input and output were at their offsets before; the input acts from its first sample on."""
+    slow = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0, "u(t-20)": 0.01})
+    halves = [2.0 - 2.0 * 0.5**t for t in range(20)]
+    np.testing.assert_allclose(slow.simulate(np.ones(22))[:20], halves)
+    assert slow.simulate(np.ones(22))[20] == pytest.approx(2.0 - 2.0 * 0.5**20 + 0.01)
+    at_once = NarxModel.from_terms({"1": 0.1, "y(t-2)": 0.5, "u(t)u(t-1)": 2.0}, scaling=SCALING)
+    u = 2.4 + 0.7 * np.array([1.0, 2.0, 3.0])
+    expected = [0.1, 0.1 + 4.0, 0.1 + 0.05 + 12.0]
+    np.testing.assert_allclose(at_once.simulate(u), 1.5 + 0.3 * np.array(expected))
+    two = NarxModel.from_terms({"u1(t-1)": 1.0, "u2(t-2)": 1.0})
+    np.testing.assert_allclose(two.simulate([[1.0, 10.0], [2.0, 20.0], [3.0, 30.0]]), [0, 1, 12])
+
+
 def test_prediction_uses_the_measured_past():
     model = NarxModel.from_terms(LINEAR)
     u, y = np.array([1.0, 2.0, 3.0]), np.array([5.0, 7.0, 11.0])

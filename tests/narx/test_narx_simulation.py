@@ -34,7 +34,7 @@ def test_runs_longer_than_a_block_are_seamless():
     u = np.random.default_rng(1).uniform(-1, 1, 5000)
     theta = np.tile(model.parameters, (u.size, 1))
     slow = slow_simulation(model.terms, theta, u, np.zeros(3), 3)
-    np.testing.assert_allclose(model.simulate(u), slow, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(model.simulate(u, np.zeros(3)), slow, rtol=1e-9, atol=1e-11)
     varying = simulate_varying(model.terms, theta, u, np.zeros(3))
     np.testing.assert_allclose(varying, slow, rtol=1e-9, atol=1e-11)
 

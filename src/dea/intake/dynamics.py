@@ -139,10 +139,11 @@ def _settling(model: NarxModel, longest: int, inputs: int) -> int:
     """
     scaling = model.scaling
     middle = np.broadcast_to(scaling.u_offset, (longest, inputs))
-    rest = model.simulate(middle)
+    start = np.full(model.max_lag, scaling.y_offset)
+    rest = model.simulate(middle, start)
     slowest = 1
     for step in np.diag(np.broadcast_to(scaling.u_scale, inputs)):
-        response = model.simulate(middle + step) - rest
+        response = model.simulate(middle + step, start) - rest
         if not np.isfinite(response).all():
             return longest
         off = np.abs(response - response[-1]) > _SETTLED * np.abs(response[-1])

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
-from dea.narx.checks import Array, as_input
-from dea.narx.labels import input_of
+from dea.narx.checks import Array
 from dea.narx.model import NarxModel
 from dea.narx.refinement import sensitivities
 from dea.store import Record
@@ -81,10 +80,9 @@ def simulation_interval(
     """
     covariance = covariance_of(model)
     scaling = model.scaling
-    inputs = scaling.normalise_input(as_input(input_of(model.labels, u)))
     run = model.simulate(u, y_initial)
-    initial = scaling.normalise_output(run[: model.max_lag])
-    _, slope = sensitivities(model.terms, model.parameters, inputs, initial)
+    inputs, initial, before = model.run_from(u, y_initial)
+    slope = sensitivities(model.terms, model.parameters, inputs, initial)[1][before:]
     variance = np.einsum("ij,jk,ik->i", slope, covariance, slope)
     reach = quantile(level) * scaling.y_scale * np.sqrt(np.maximum(variance, 0.0))
     return Interval(run, run - reach, run + reach)

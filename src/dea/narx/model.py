@@ -153,24 +153,35 @@ class NarxModel:
             by the names that the model knows.
         y_initial
             The first ``max_lag`` outputs in physical units; more may be given, so that a measured
-            output can be passed whole. By default the output's offset.
+            output can be passed whole. By default the run begins at rest at the operating point:
+            before the first sample input and output are at their offsets.
 
         Returns
         -------
         ndarray
             Output in physical units, shape (samples,). Its first ``max_lag`` samples are
-            ``y_initial``, whatever the input is meanwhile. For a run that begins at the operating
-            point, as those of the C code, FMU and python-control system of :mod:`dea.control` do,
-            put ``max_lag`` samples of the input's offset before ``u`` and leave the first
-            ``max_lag`` outputs away. From the sample on where the run diverges, beyond 1e10 in the
-            units of the equation, it is ``inf``.
+            ``y_initial`` where that is given; from the sample on where the run diverges, beyond
+            1e10 in the units of the equation, it is ``inf``.
+        """
+        inputs, initial, before = self.run_from(u, y_initial)
+        run = simulate(self.terms, self.parameters, inputs, initial)
+        return self.scaling.restore_output(run[before:])
+
+    def run_from(
+        self, u: ArrayLike | Record, y_initial: ArrayLike | None
+    ) -> tuple[Array, Array, int]:
+        """Return what a run of :meth:`simulate` starts from, in the units of the equation.
+
+        Returns
+        -------
+        inputs, initial, before
+            Inputs, first outputs, and how many samples of rest precede the first one of ``u``.
         """
         inputs = self.scaling.normalise_input(as_input(input_of(self.labels, u)))
-        if y_initial is None:
-            initial = np.zeros(self.max_lag)
-        else:
-            initial = self.scaling.normalise_output(as_signal(y_initial, "y_initial"))
-        return self.scaling.restore_output(simulate(self.terms, self.parameters, inputs, initial))
+        if y_initial is not None:
+            return inputs, self.scaling.normalise_output(as_signal(y_initial, "y_initial")), 0
+        rest = np.zeros((self.max_lag, *inputs.shape[1:]))
+        return np.concatenate([rest, inputs]), np.zeros(self.max_lag), self.max_lag
 
     def predict(
         self, u: ArrayLike | Record, y: ArrayLike | None = None, *, steps: int = 1
