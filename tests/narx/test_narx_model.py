@@ -99,6 +99,11 @@ def test_impossible_models_are_refused(terms, message):
         NarxModel.from_terms(terms)
 
 
+def test_terms_without_parameters_are_refused():
+    with pytest.raises(InputError, match=r"terms: it is list\. Give each its parameter"):
+        NarxModel.from_terms(["u(t)"])
+
+
 def test_bad_signals_are_refused():
     model = NarxModel.from_terms(LINEAR)
     with pytest.raises(InputError, match="the first at sample 1"):

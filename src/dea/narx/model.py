@@ -94,8 +94,14 @@ class NarxModel:
         Raises
         ------
         InputError
-            For text that is no term, or a monomial that occurs twice.
+            For text that is no term, a monomial that occurs twice, or terms without parameters.
         """
+        if not isinstance(terms, Mapping):
+            raise InputError(
+                f"it is {type(terms).__name__}",
+                field="terms",
+                remedy='Give each its parameter, as {"y(t-1)": 0.9, "u(t-1)": 0.1}',
+            )
         return NarxModel(
             tuple(Term.parse(text) for text in terms),
             as_signal(list(terms.values()), "parameters"),
