@@ -243,3 +243,9 @@ def test_missing_outputs_are_named_with_what_leaves_them_out():
     for given in ((u, y), (dea.Record.of(u, y, RATE),)):
         with pytest.raises(InputError, match=told.format("a part without a missing sample")):
             dea.select_lags(*given)
+
+
+@pytest.mark.parametrize(("choices", "one"), [([3], "3"), ([(2, 2), (1,)], r"\(1,\)")])
+def test_choices_of_lags_are_pairs(choices, one):
+    with pytest.raises(InputError, match=f"choices: one is {one}. Give pairs of output lags"):
+        dea.select_lags(record(), choices=choices)

@@ -106,6 +106,13 @@ def select_lags(
             field="choices, thresholds, cuts",
             remedy="Give at least one of each.",
         )
+    for each in offered:
+        if not isinstance(each, Sequence) or len(each) != 2:
+            raise InputError(
+                f"one is {each!r}",
+                field="choices",
+                remedy="Give pairs of output lags and input lags, as (3, [10, 11, 12])",
+            )
     settings = [_choice(y_lags, u_lags, input_count(inputs)) for y_lags, u_lags in offered]
     found: list[tuple[LagChoice, float | None, NarxModel]] = []
     refused: list[InputError] = []
