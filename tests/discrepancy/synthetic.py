@@ -144,9 +144,6 @@ def excitation(kind, duration, rng):
     return levels[(t // 1.0).astype(int)]
 
 
-OUTSIDE = ("drag", "feedthrough", "backlash", "warmth", "frozen", "burst")
-
-
 def record(effects=(), kind="noise", duration=160.0, seed=0, noise=1.5e-3):
     """Make a record; ``effects`` is a list of (name, size), size about one for a visible gap."""
     rng = np.random.default_rng(seed)

@@ -65,8 +65,8 @@ def test_an_effect_of_another_form_is_named(name, size):
     assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
 
 
-def test_what_the_catalogue_lacks_is_not_named():
-    """Backlash behind a sensor, with the effects of the catalogue that come nearest to it."""
+def test_an_effect_that_is_not_offered_is_not_named_as_another():
+    """Backlash before a sensor, with the other effects that come nearest to it."""
     nearest = (
         "coulomb_friction", "rate_independent_hysteresis", "sensor_lag", "sensor_nonlinearity",
         "transport_delay",
