@@ -166,7 +166,7 @@ def test_refinement_finds_the_minimum_where_noise_takes_least_squares_far_off():
         spectrum[np.fft.rfftfreq(3000) > 0.02] = 0.0
         u = np.fft.irfft(spectrum, 3000)
         u /= 3.0 * u.std()
-        clean = model.simulate(u)
+        clean = model.simulate(u, np.zeros(model.max_lag))
         y = clean + 0.02 * clean.std() * rng.standard_normal(3000)
         biased = estimate(model.terms, u, y, scaling=Scaling())
         noise = np.mean((clean - y) ** 2)
