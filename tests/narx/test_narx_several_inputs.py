@@ -153,6 +153,8 @@ def test_columns_of_a_frame_are_found_by_name(found, record):
         np.testing.assert_array_equal(found.simulate(unnamed), expected)
     nameless = replace(found, labels=replace(found.labels, u_name=("input 1", "input 2")))
     assert nameless.score(turned[["left", "right"]], record.y) == found.score(record)
+    default = turned.rename(columns={"left": "input 1", "right": "input 2"})
+    assert nameless.score(default, record.y) == found.score(record)
 
 
 def test_the_input_of_a_record_is_taken(found, record):

@@ -76,7 +76,7 @@ class Labels:
     def in_order(self, u: ArrayLike) -> ArrayLike:
         """Return signals, the columns of a frame in the order of the inputs that they name.
 
-        Columns without names are taken as they come, and all where the inputs have none.
+        Columns without names are taken as they come, and all others where the inputs have none.
 
         Raises
         ------
@@ -84,10 +84,12 @@ class Labels:
             If as many columns name other inputs.
         """
         names, columns = list(each_text(self.u_name)), list(getattr(u, "columns", ()))
-        known = all(isinstance(name, str) for name in columns) and names != input_names(len(names))
-        if not known or not len(names) == len(columns) > 1:
+        named = all(isinstance(name, str) for name in columns)
+        if not named or not len(names) == len(columns) > 1:
             return u
         if set(columns) != set(names):
+            if names == input_names(len(names)):
+                return u
             raise _unlike("names", ", ".join(columns), ", ".join(names))
         found: Array = real_numbers(u, "u")[:, [columns.index(name) for name in names]]
         return found
