@@ -82,7 +82,8 @@ def test_a_falling_response_gets_a_negative_gain():
 @pytest.mark.parametrize(
     ("change", "field"),
     [({"proportional": np.nan}, "proportional"), ({"integral_time": 0.0}, "integral_time"),
-     ({"integral_time": np.nan}, "integral_time"), ({"filter_time": -0.02}, "filter_time"),
+     ({"integral_time": np.nan}, "integral_time"), ({"integral_time": 1e-310}, "integral_time"),
+     ({"filter_time": -0.02}, "filter_time"),
      ({"sampling_rate": -50.0}, "sampling_rate"), ({"sampling_rate": np.nan}, "sampling_rate"),
      ({"sampling_rate": 0.0}, "sampling_rate")],
 )  # fmt: skip

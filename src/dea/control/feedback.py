@@ -41,6 +41,17 @@ class Gains:
         ):
             if not possible:
                 raise InputError(f"it is {getattr(self, name):g}", field=name, remedy=remedy)
+        if not isfinite(self.integral_gain):
+            raise InputError(
+                f"it is {self.integral_time:g} s for a gain of {self.proportional:g}",
+                field="integral_time",
+                remedy="Give a longer one.",
+            )
+
+    @property
+    def integral_gain(self) -> float:
+        """What the integral grows by in a sample, for an error of one."""
+        return self.proportional * (1.0 / self.sampling_rate) / self.integral_time
 
     def response(self, frequencies: Array) -> NDArray[np.complex128]:
         """Return C at these frequencies in Hz."""
@@ -172,7 +183,7 @@ class FilteredError:
     def __init__(self, gains: Gains) -> None:
         period = 1.0 / gains.sampling_rate
         self._proportional = gains.proportional
-        self._of_integral = gains.proportional * period / gains.integral_time
+        self._of_integral = gains.integral_gain
         self._new = 1.0 / (1.0 + gains.filter_time / period)
         self._filtered = self.integral = 0.0
 
