@@ -106,9 +106,9 @@ def _add_memory(add: Add, u: Array, y: Array) -> None:
         add(f"memory of u, {part:g}", low_pass(u, slow), "charge_leakage")
         add(f"memory of y, {part:g}", low_pass(y, slow), "viscoelastic_creep")
     for radius in _RADII:
-        followed = play(y, radius)
-        add(f"play(y, {radius:g})", followed, "backlash", "rate_independent_hysteresis")
-        add(f"stop(y, {radius:g})", y - followed, "rate_independent_hysteresis", "backlash")
+        # A play is the same beside y.
+        stop = y - play(y, radius)
+        add(f"stop(y, {radius:g})", stop, "rate_independent_hysteresis", "backlash")
 
 
 def _add_courses(add: Add, u: Array, y: Array) -> None:
