@@ -24,7 +24,6 @@ from made_datasets import record_of
 
 TERMS = "1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-1)"
 RATE, ACTUATOR = 50.0, "dea2"
-pytestmark = pytest.mark.slow
 
 
 def settings(**changes):
@@ -66,6 +65,7 @@ def files(tmp_path_factory):
     return paths | {"device": Path("config/devices/virtual_bench.yaml")}
 
 
+@pytest.mark.slow
 def test_a_controller_and_an_inverse_that_is_played_are_kept(files, tmp_path, monkeypatch):
     every = stage._controllers
     driven = "adaptive inverse", "inverse of the physics with effects"
@@ -130,6 +130,7 @@ def test_the_first_minute_of_the_table_is_the_one_that_the_figure_draws():
         assert row[f"{word} minute (%)"] == pytest.approx(np.sqrt(np.mean(shown**2)), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_actuator_that_is_another_than_planned_is_refused(files, tmp_path):
     with pytest.raises(InputError, match="changed since this run was planned"):
         stage.control(settings(film={}), control=tmp_path / "control.nc", **files)

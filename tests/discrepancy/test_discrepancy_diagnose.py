@@ -22,8 +22,6 @@ from dea.errors import InputError
 from dea.simulation import load_extended, load_simulation, save_extended
 from dea.store import CONTRACTS
 
-pytestmark = pytest.mark.slow
-
 NOISE = 1.5e-3
 # Effects that act on the input, the film, the sensor and over time. The tutorial and the worked
 # example of the documentation offer the whole catalogue.
@@ -44,12 +42,14 @@ def creeping():
     return diagnosed(("viscoelastic_creep", 3.0))
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_nothing_is_missing():
     found = diagnosed(seed=5)
     assert found.verdict.status == "none", found.verdict.sentence
     assert found.floor == pytest.approx(NOISE, rel=0.12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "size"),
     [
@@ -65,6 +65,7 @@ def test_an_effect_of_another_form_is_named(name, size):
     assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_not_offered_is_not_named_as_another():
     """Backlash before a sensor, with the other effects that come nearest to it."""
     nearest = (
@@ -78,6 +79,7 @@ def test_an_effect_that_is_not_offered_is_not_named_as_another():
     assert found.unexplained == residual_model(found.problem, found.nominal.residual)
 
 
+@pytest.mark.slow
 def test_creep_is_named_and_proven(creeping):
     verdict = creeping.verdict
     assert verdict.status == "named", verdict.sentence
@@ -90,6 +92,7 @@ def test_creep_is_named_and_proven(creeping):
         assert estimate.low <= estimate.value <= estimate.high
 
 
+@pytest.mark.slow
 def test_the_verdict_can_be_written_and_read(creeping, tmp_path):
     path = tmp_path / "verdict.json"
     creeping.verdict.write(path)
@@ -101,6 +104,7 @@ def test_the_verdict_can_be_written_and_read(creeping, tmp_path):
         read_verdict(path)
 
 
+@pytest.mark.slow
 def test_the_saved_simulation_is_that_of_the_whole_record(creeping, tmp_path):
     path = tmp_path / "extended_simulation.yaml"
     problem, final = creeping.problem, creeping.final
@@ -112,6 +116,7 @@ def test_the_saved_simulation_is_that_of_the_whole_record(creeping, tmp_path):
     assert rmse(gap, everything) < 1.05 * rmse(creeping.extended.residual, everything)
 
 
+@pytest.mark.slow
 def test_the_datasets_keep_their_contracts(creeping, tmp_path):
     for name, dataset in (
         ("localisation", localisation_dataset(creeping)),
@@ -122,6 +127,7 @@ def test_the_datasets_keep_their_contracts(creeping, tmp_path):
     assert np.allclose(candidates_dataset(creeping)["confusion"].sum("called"), 1.0)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_does_not_depend_on_the_number_of_threads(creeping):
     assert diagnosed(("viscoelastic_creep", 3.0), workers=2).verdict == creeping.verdict
 

@@ -11,8 +11,6 @@ from dea.discrepancy import Settings, diagnose
 from dea.errors import InputError
 from dea.simulation import load_simulation
 
-pytestmark = pytest.mark.slow
-
 DOCUMENT = Path(__file__).parents[2] / "docs" / "discrepancy.md"
 DT = 0.02
 
@@ -48,6 +46,7 @@ def recorded(seconds=80.0, friction=0.0, noise=2e-3, unit="mm"):
     )
 
 
+@pytest.mark.slow
 def test_the_example_finds_friction_and_leaves_proof(tmp_path):
     found = diagnose(recorded(friction=25.0), carriage(tmp_path).as_posix())
     assert found.verdict.status == "named", found.verdict.sentence
@@ -55,6 +54,7 @@ def test_the_example_finds_friction_and_leaves_proof(tmp_path):
     assert found.verdict.certified["rmse_after"] < 0.2 * found.verdict.certified["rmse_before"]
 
 
+@pytest.mark.slow
 def test_the_example_finds_nothing_where_nothing_is(tmp_path):
     found = diagnose(recorded(), load_simulation(carriage(tmp_path)))
     assert found.verdict.status == "none", found.verdict.sentence

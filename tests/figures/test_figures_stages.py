@@ -11,8 +11,6 @@ from dea.errors import InputError
 from dea.stages.figures import figures
 from dea.stages.tables import tables
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[2]
 KINDS = {"figures": ("png", "pdf"), "tables": ("csv", "md", "tex")}
 # Figures or tables of one job, the datasets they read, and of how many actuators.
@@ -59,6 +57,7 @@ def outputs(room, names, folder):
     return {kind: [folder / f"{name}.{kind}" for name in names] for kind in KINDS[room]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("names", "datasets", "count"), FIGURES)
 def test_the_stage_draws_each_figure_as_png_and_pdf(names, datasets, count, sources, tmp_path):
     paths = outputs("figures", names, tmp_path / "figures")

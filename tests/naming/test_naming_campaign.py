@@ -16,8 +16,6 @@ from benchmarks.stored import commit
 
 from dea.errors import InputError
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[2]
 
 QUICK = (REFERENCE, "random_choice", "ridge")
@@ -43,6 +41,7 @@ def answers(settings):
     return {file: json.loads(file.read_text()) for file in files}
 
 
+@pytest.mark.slow
 def test_two_trials_are_answered_scored_and_kept(settings, quick, monkeypatch):
     tried = of_trials(replace(settings, cores=2))
     assert len(tried) == 2
@@ -178,6 +177,7 @@ def test_a_drawn_trial_depends_on_all_that_draws_and_records_it(tmp_path, monkey
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_trial_that_other_code_drew_is_drawn_again(settings, quick, monkeypatch):
     first = of_trials(settings)
     folder = settings.keep / "tuning-1" / first[0].name

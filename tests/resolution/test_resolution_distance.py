@@ -17,8 +17,6 @@ from dea.resolution.law_error import LawError, Motion
 from dea.simulation import catalogue, measured_scales, prepared
 from made_carriage import CARRIAGE
 
-pytestmark = pytest.mark.slow
-
 ERROR = Error(4e-3, 6e-3, 25.0, 25.0)
 AS_SEEN = LawError(ERROR, Motion(np.inf, np.inf), 0.0)
 
@@ -65,6 +63,7 @@ def refitted(truth, rival, u):
     return best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_distance_is_what_a_nonlinear_refit_leaves(seed):
     u = np.repeat(np.random.default_rng(seed).uniform(-1.0, 1.0, 12), 25)
@@ -83,6 +82,7 @@ def test_distance_of_an_explanation_to_itself_is_zero_and_grows_with_what_is_kno
     assert not nested(lag, late)
 
 
+@pytest.mark.slow
 def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
     lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
     question = Question(

@@ -29,7 +29,7 @@ from dea.resolution.question import fresh_design, next_design
 from dea.stages.resolve import said
 from made_carriage import CARRIAGE
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("few_excitations")]
+pytestmark = pytest.mark.usefixtures("few_excitations")
 
 SETTINGS = Settings(
     effects=("sensor_lag", "transport_delay", "electrode_lag"),
@@ -63,6 +63,7 @@ def solved_once(effect):
     return solved(DEVICES[effect])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", DEVICES)
 def test_designed_records_leave_the_effect_that_is_hidden(effect):
     found, desk = solved_once(effect)
@@ -85,6 +86,7 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
     assert CERTIFICATE in desk.designs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "law", "imitated"),
     [("dead_zone", [0.2], True), ("end_stop", [0.5, -0.5, 20.0], False)],
@@ -99,6 +101,7 @@ def test_an_effect_that_is_not_offered_ends_without_a_name(effect, law, imitated
     assert imitated or found.last.posterior.now["another"] > 0.99
 
 
+@pytest.mark.slow
 def test_a_loop_that_was_ended_goes_on_with_what_it_has():
     whole, desk = solved_once("transport_delay")
 

@@ -19,7 +19,7 @@ from dea.errors import DeviceError, InputError
 from dea.resolution import CERTIFICATE, Design
 from dea.stages.resolve import Driven, _of_device, main, resolve
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("few_excitations")]
+pytestmark = pytest.mark.usefixtures("few_excitations")
 
 ROOT = Path(__file__).parents[2]
 COLUMNS = {
@@ -77,6 +77,7 @@ def hand_in(file, key, u, seed):
     file.write_text(yaml.safe_dump(content))
 
 
+@pytest.mark.slow
 def test_a_case_is_resolved_by_hand(case, capsys):
     folder = Path("results/resolve/carriage")
     Path("results/MANIFEST.json").touch()
@@ -243,6 +244,7 @@ def test_a_record_that_another_first_record_led_to_is_not_taken(desk):
     assert not own.recorded(CERTIFICATE)
 
 
+@pytest.mark.slow
 def test_a_virtual_actuator_is_driven_once(desk):
     own, u = desk("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)

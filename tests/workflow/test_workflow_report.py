@@ -14,7 +14,6 @@ from copied_project import ROOT
 from dea.errors import InputError
 from dea.report import page, write
 
-pytestmark = pytest.mark.slow
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 # Says in the title what the browser made of the page.
 PROBE = """<script>addEventListener("load", () => { document.title = JSON.stringify({
