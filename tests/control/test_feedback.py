@@ -18,6 +18,7 @@ from dea.control import (
     linearise,
     tune_feedback,
 )
+from dea.control.adaptive_inverse import LostError
 from dea.control.design import FromStart
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
@@ -258,6 +259,18 @@ def test_a_drive_begins_with_the_first_reading_after_the_hold():
     # The way of five samples begins there: of the steps 0, 1/5 ... 1 that of 2/5 is 0.31744.
     np.testing.assert_allclose(own.reference[6:10], [0.5, 0.5, 0.52896, 0.65872])
     np.testing.assert_array_equal(own.reference[12:], 1.0)
+
+
+@pytest.mark.parametrize("begins", [0, 4, 20])
+def test_a_follower_whose_sensor_is_silent_for_two_seconds_ends_its_drive(begins):
+    task = Task(np.full(300, 1.0), 1.0, 2.4, RunIn(4, 5), (LOWEST, HIGHEST))
+    own = FromStart(Follower(Gains(0.1, 1.0, RATE), LOWEST, HIGHEST, 1e3, start=2.4), task)
+    for _ in range(begins):
+        own(0.5)
+    for _ in range(round(2.0 * RATE)):
+        own(np.nan)
+    with pytest.raises(LostError, match="no reading for 101 samples"):
+        own(np.nan)
 
 
 def test_a_sensor_that_drops_out_leaves_the_feedforward():

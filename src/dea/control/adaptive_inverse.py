@@ -90,6 +90,25 @@ class Task:
             )
 
 
+class Silence:
+    """Ends a drive whose sensor gives no reading for more than ``longest`` samples in a row."""
+
+    def __init__(self, longest: int) -> None:
+        self._longest, self._samples = longest, 0
+
+    def hear(self, measured: float) -> None:
+        """Take the output of a sample, not finite if unknown.
+
+        Raises
+        ------
+        LostError
+            Where the sensor has been silent for too long.
+        """
+        self._samples = 0 if isfinite(measured) else self._samples + 1
+        if self._samples > self._longest:
+            raise LostError(f"the sensor has given no reading for {self._samples} samples")
+
+
 class AdaptiveInverse:
     """Feedforward by the inverse of the tracked model, feedback of the error through that inverse.
 
@@ -128,12 +147,13 @@ class AdaptiveInverse:
         self._inverse, self._task = inverse, task
         self._guard, self._renewal = guard or Guard(), renewal
         self._patience = round(self._guard.patience * gains.sampling_rate)
+        self._silence = Silence(self._patience)
         self._new_tracker = new_tracker
         self._tracker = new_tracker(None) if new_tracker is not None else None
         self._sum, self._summed = np.zeros(1), 0
         self._ahead, self._last, self._sample = np.empty(0), task.start, 0
         self._added, self._feedback = 0.0, FilteredError(gains)
-        self._off = self._silent = self._trusted = 0
+        self._off = self._trusted = 0
         self.fallbacks = 0
 
     def __call__(self, measured: float) -> float:
@@ -147,9 +167,7 @@ class AdaptiveInverse:
         k = min(self._sample, self._task.reference.size)
         self._sample += 1
         measured = measured if isfinite(measured) else nan
-        self._silent = 0 if isfinite(measured) else self._silent + 1
-        if self._silent > self._patience:
-            raise LostError(f"the sensor has given no reading for {self._silent} samples")
+        self._silence.hear(measured)
         if k < self._task.run_in.hold:
             return self._task.start
         if self._tracker is not None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.control.adaptive_inverse import AdaptiveInverse, RunIn, Task
+from dea.control.adaptive_inverse import AdaptiveInverse, Guard, RunIn, Silence, Task
 from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.limits import InputLimits
 from dea.control.online import OnlineTracker, scale_of_record
@@ -194,14 +194,22 @@ class ControllerDesign:
 
 
 class FromStart:
-    """A follower that begins with the run-in of a task."""
+    """A follower that begins with the run-in of a task, and ends where its sensor is silent."""
 
     def __init__(self, follower: Follower, task: Task) -> None:
         self._follower, self._task, self._sample = follower, task, 0
+        self._silence = Silence(round(Guard().patience * follower.gains.sampling_rate))
         self.reference = np.empty(0)
 
     def __call__(self, measured: float) -> float:
-        """Return the input of the next sample, given the output of the last."""
+        """Return the input of the next sample, given the last output (not finite if unknown).
+
+        Raises
+        ------
+        LostError
+            Where the sensor is silent for two seconds.
+        """
+        self._silence.hear(measured)
         k, hold = min(self._sample, self._task.reference.size), self._task.run_in.hold
         self._sample += 1
         if k < hold or not (self.reference.size or np.isfinite(measured)):
