@@ -35,6 +35,17 @@ def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
     return signal
 
 
+def refuse_missing(y: ArrayLike, remedy: str) -> None:
+    """Refuse outputs of which samples are missing, where nothing can leave them out."""
+    missing = np.flatnonzero(np.isnan(real_numbers(y, "y")))
+    if missing.size:
+        raise InputError(
+            f"{missing.size} samples are missing, the first is sample {missing[0]}",
+            field="y",
+            remedy=remedy,
+        )
+
+
 def as_input(values: ArrayLike, name: str = "u") -> Array:
     """Return one input, shape (samples,), or several, shape (samples, inputs), as floats.
 

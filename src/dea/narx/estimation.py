@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
-from dea.narx.checks import Array, as_pair, check_variation
+from dea.narx.checks import Array, as_pair, check_variation, refuse_missing
 from dea.narx.labels import unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
-from dea.store import Record, real_numbers
+from dea.store import Record
 from dea.terms import Term, as_terms, max_lag
 
 Segment = tuple[Array, Array]
@@ -187,7 +187,7 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
             remedy="Give as many records of the one as of the other.",
         )
     for each in outputs:
-        _refuse_missing(each)
+        refuse_missing(each, "Give dea.Record.of(u, y, sampling_rate), of which they are left out")
     records = [as_pair(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)]
     counts = sorted({input_count(u) for u, _ in records})
     if len(counts) > 1:
@@ -198,16 +198,6 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
         )
     check_variation(*zip(*records, strict=True))
     return records
-
-
-def _refuse_missing(y: ArrayLike) -> None:
-    missing = np.flatnonzero(np.isnan(real_numbers(y, "y")))
-    if missing.size:
-        raise InputError(
-            f"{missing.size} samples are missing, the first is sample {missing[0]}",
-            field="y",
-            remedy="Give dea.Record.of(u, y, sampling_rate), of which they are left out",
-        )
 
 
 def listed(signals: Signals) -> list[ArrayLike]:

@@ -11,7 +11,7 @@ from dea.autocovariance import autocovariance
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.candidate_terms import InputLags, Lags, input_lag_lists, lag_list
-from dea.narx.checks import Array, as_record, as_signal
+from dea.narx.checks import Array, as_record, as_signal, refuse_missing
 from dea.narx.held_out import check_parts, held_out_error
 from dea.narx.labels import Labels, pair
 from dea.narx.model import NarxModel
@@ -89,13 +89,7 @@ def select_lags(
         If there is nothing to choose from, no choice is left, or an output is missing.
     """
     given = pair(Labels(), u, y, 1)
-    missing = np.flatnonzero(np.isnan(given[1]))
-    if missing.size:
-        raise InputError(
-            f"{missing.size} samples are missing, the first is sample {missing[0]}",
-            field="y",
-            remedy="Give a part without a missing sample, as record.part(first, last)",
-        )
+    refuse_missing(given[1], "Give a part without a missing sample, as record.part(first, last)")
     inputs, outputs = as_record(*given)
     offered: Sequence[tuple[Lags, InputLags]] = (
         lag_choices(outputs, even_in_input=even_in_input) if choices is None else choices
