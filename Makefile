@@ -245,14 +245,15 @@ slow-tests: $(VENV)/installed ## tests of whole studies, campaigns and diagnoses
 # makes a sample late or lost, so that a failed one is run again; the summary names it.
 TIMED := tests/test_fault_campaign.py tests/acquisition tests/bench tests/test_example_controller.py
 BY_FILE := --dist loadfile --no-loadscope-reorder
+QUICK := -m 'not slow and not campaign'
 
 timed-tests: $(VENV)/installed
 	@mkdir -p build
-	pytest --quiet --numprocesses $(if $(filter 1,$(CORES)),1,2) $(BY_FILE) --reruns 2 -raR $(TIMED) \
+	pytest --quiet --numprocesses $(if $(filter 1,$(CORES)),1,2) $(BY_FILE) $(QUICK) --reruns 2 -raR $(TIMED) \
 		> build/timed_tests.txt
 
 other-tests: $(VENV)/installed
-	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %) -m 'not slow and not campaign'
+	nice pytest --numprocesses $(CORES) $(BY_FILE) $(QUICK) $(TIMED:%=--ignore %)
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build
