@@ -164,7 +164,7 @@ def _explanations(found: Diagnosis) -> dict[str, Explanation]:
 
     These are those that the verdict speaks of, the candidates that were weighed, and every single
     effect that was fitted to the end. Where one leaves no more than a right one may, those that
-    leave more are dropped: a drift with a course of its own in every record explains a short one.
+    leave more are dropped: a drift that is free in every record can fit any short record alone.
     """
     decision = found.decision
     spoken = [*([decision.chosen] if decision.chosen else []), *decision.rivals]
