@@ -40,7 +40,7 @@ KEEP = $(if $(filter-out 0,$(STORE)),--store)
 
 .DEFAULT_GOAL := help
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
-	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws docs audit sign crate slurm \
+	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws thresholds docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test slow-tests compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
@@ -177,6 +177,9 @@ configuration: $(VENV)/installed ## write docs/configuration.md from the models 
 
 laws: $(VENV)/installed ## write docs/laws.md, priors, bounds and starts of every law, from the catalogue
 	python -m dea.simulation > docs/laws.md
+
+thresholds: $(VENV)/installed ## write docs/method/thresholds.md, rules and budget of a diagnosis
+	python -m dea.discrepancy > docs/method/thresholds.md
 
 audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
 	python -m dea.audit $(call option,sample,SAMPLE) $(call option,seed,SEED) $(call option,signers,SIGNERS)

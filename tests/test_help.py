@@ -8,8 +8,8 @@ import pytest
 @pytest.mark.parametrize(
     "module",
     [
-        "benchmarks.__main__", "benchmarks.calibration", "dea.report.__main__",
-        "dea.simulation.__main__",
+        "benchmarks.__main__", "benchmarks.calibration", "dea.discrepancy.__main__",
+        "dea.report.__main__", "dea.simulation.__main__",
     ],
 )  # fmt: skip
 @pytest.mark.parametrize(("asked", "status"), [("--help", 0), ("--unknown", 2)])

@@ -110,7 +110,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["trials", "count"], 10_000, "trials.count", "from 1 to 9999"),
         (["trials", "first"], 9_800, "trials.count", "fewer trials"),
         (["discrepancy", "budget", "effects"], 4, "discrepancy.budget.effects", "from 1 to 3"),
-        (["discrepancy", "rules", "clean"], 0, "discrepancy.rules.clean", "noise floors"),
+        (["discrepancy", "rules", "clean"], 0, "discrepancy.rules.clean", "above 0 floors"),
         (["discrepancy", "rules", "margin"], 10, "discrepancy.rules.margin", "and below 0.5"),
         (["discrepancy", "rules", "rival_margin"], 0.05, "discrepancy.rules.rival_margin",
          "at least 1"),

@@ -82,14 +82,12 @@ class Rules(Section):
         gt=0,
         lt=0.5,
     )
-    clean: Positive = key(
-        "residual up to which the record counts as explained", unit="noise floors"
-    )
+    clean: Positive = key("residual up to which the record counts as explained", unit="floors")
     misfit: Share = key("part of the gap that may remain")
     grow: Positive = key(
         "residual above which a further effect is looked for; several effects may leave more if "
         "each is certain and it is coloured noise",
-        unit="noise floors",
+        unit="floors",
     )
     room: Share = key("part of the gap that must be left for a further effect")
     second: Share = key("part of the remaining misfit that a further effect must remove")
@@ -102,7 +100,7 @@ class Rules(Section):
     noise_like: Positive = key(
         "residual up to which it counts as noise if nothing reduces it, and up to which a small"
         " drift of the reading counts as noise",
-        unit="noise floors",
+        unit="floors",
         default=1.5,
     )
     negligible: NotNegative = key(
