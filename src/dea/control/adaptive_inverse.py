@@ -47,6 +47,10 @@ class Guard:
     most once in ``patience`` seconds. An error above ``lost`` for so long ends the drive, and so
     does a sensor that is silent for so long. ``authority`` bounds what the feedback adds to the
     reference.
+
+    No measurement set these values. A controller that follows leaves about a hundredth of the
+    stroke, far less than ``doubt``, which acts before ``lost``. A sensor that drops for a second,
+    as in the trials of robustness, is waited for.
     """
 
     doubt: float = 0.25

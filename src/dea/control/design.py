@@ -23,11 +23,14 @@ from dea.tracking import with_constant
 
 Array = NDArray[np.float64]
 Controller = Callable[[float], float]
-RESTS = 3  # over the reach, at which margins are kept
-_MEMORY = 0.5  # s for which an input of a simulation acts in the steps to its inverse
-_CHANGE = 1e-3  # of the inputs' scale, of which the effect is linear
+RESTS = 3  # over the reach, at which margins are kept: both ends and the middle
+# s for which an input of a simulation acts in the steps to its inverse: a longer memory is left to
+# the next step, so that this changes how many steps there are, and not where they end.
+_MEMORY = 0.5
+_CHANGE = 1e-3  # of the inputs' scale: its effect is linear, and far above rounding
 _TRIED = 200  # inputs between the limits, among which rests are looked for
-_TIMES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # s, integral times that are tried for PI
+# s, integral times that are tried for PI, in factors of two; the best is taken.
+_TIMES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 
 
 @dataclass(frozen=True)

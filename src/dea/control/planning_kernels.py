@@ -12,7 +12,9 @@ from dea.narx import NONE
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-DIVERGED = 1e3  # times the largest output wanted, and one in the units of the equation at least
+# Times the largest output wanted, and one in the units of the equation at least: no plan that
+# follows comes near it, and products of a few such outputs are far from overflow.
+DIVERGED = 1e3
 
 
 class Equation(NamedTuple):
