@@ -138,8 +138,8 @@ def test_the_last_guardian_is_left_to_try_though_it_is_silent(job, monkeypatch):
             process.wait()
 
 
-def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_nursery(job, monkeypatch):
-    """As where the nursery has been stopped."""
+def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_fork_server(job, monkeypatch):
+    """As where the fork server has been stopped."""
     asked = []
 
     def launch(_, *, anew=False):

@@ -25,7 +25,7 @@ from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.first_trip import FirstTrip
 from dea.acquisition.latch import held, refuse_tripped
-from dea.acquisition.launch import serve_nursery
+from dea.acquisition.launch import serve_forks
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output, TakenError
@@ -64,9 +64,9 @@ DEAF = (
 )  # fmt: skip
 
 
-def nursery(handle: int) -> None:
+def fork_server(handle: int) -> None:
     """Serve a recorder with guardians; see :mod:`dea.acquisition.launch`."""
-    serve_nursery(socket.socket(fileno=handle), guard)
+    serve_forks(socket.socket(fileno=handle), guard)
 
 
 def guard(wire: Wire) -> None:

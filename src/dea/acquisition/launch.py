@@ -1,8 +1,8 @@
 """Starting guardians: processes out of reach of the recorder's terminal.
 
-A nursery, one for each recorder, has the guardian's code loaded and forks a guardian when asked,
-within milliseconds. It has one thread and does nothing else. A guardian has a session of its own,
-so that no signal of the terminal (Ctrl-C, Ctrl-Z, Ctrl-\\, hang-up) reaches it.
+A fork server, one for each recorder, has the guardian's code loaded and forks a guardian when
+asked, within milliseconds. It has one thread and does nothing else. A guardian has a session of its
+own, so that no signal of the terminal (Ctrl-C, Ctrl-Z, Ctrl-\\, hang-up) reaches it.
 """
 
 import os
@@ -16,28 +16,28 @@ from contextlib import suppress
 
 from dea.acquisition.wire import Wire
 
-_PROGRAM = "import sys; from {} import {} as nursery; nursery(int(sys.argv[1]))"
+_PROGRAM = "import sys; from {} import {} as serve; serve(int(sys.argv[1]))"
 _lock = threading.Lock()
-# Of this process: its number, the nursery and the way to it.
-_nursery: tuple[int, subprocess.Popen[bytes], socket.socket] | None = None
+# Of this process: its number, the fork server and the way to it.
+_fork_server: tuple[int, subprocess.Popen[bytes], socket.socket] | None = None
 
 
-def launch(nursery: Callable[[int], None], *, anew: bool = False) -> Wire:
-    """Start a guardian and return the way to it; ``anew`` from a nursery that is new, too.
+def launch(serve: Callable[[int], None], *, anew: bool = False) -> Wire:
+    """Start a guardian and return the way to it; ``anew`` from a fork server that is new, too.
 
-    ``nursery`` is the function of a module that serves the socket with the number it is given.
+    ``serve`` is the function of a module that serves the socket with the number it is given.
     """
     _open_standard_error()
     ours, theirs = socket.socketpair()
     with _lock, theirs:
         try:
-            _ask(_control(nursery, anew=anew), theirs)
-        except OSError:  # the nursery was killed just now
-            _ask(_control(nursery, anew=True), theirs)
+            _ask(_control(serve, anew=anew), theirs)
+        except OSError:  # the fork server was killed just now
+            _ask(_control(serve, anew=True), theirs)
     return Wire(ours)
 
 
-def serve_nursery(control: socket.socket, guard: Callable[[Wire], None]) -> None:
+def serve_forks(control: socket.socket, guard: Callable[[Wire], None]) -> None:
     """Fork a process that runs ``guard`` for each way to a recorder that ``control`` hands over."""
     # The kernel removes children that have ended, since nobody waits for them here.
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
@@ -71,33 +71,33 @@ def _open_standard_error() -> None:
         if nowhere != 2:
             os.dup2(nowhere, 2)
             os.close(nowhere)
-        os.set_inheritable(2, True)  # the nursery's own, too
+        os.set_inheritable(2, True)  # the fork server's own, too
 
 
 def _ask(control: socket.socket, end: socket.socket) -> None:
     socket.send_fds(control, [b"g"], [end.fileno(), 2])
 
 
-def _control(nursery: Callable[[int], None], *, anew: bool = False) -> socket.socket:
-    global _nursery
-    if _nursery is None or anew or _nursery[0] != os.getpid() or _ended(_nursery[1]):
+def _control(serve: Callable[[int], None], *, anew: bool = False) -> socket.socket:
+    global _fork_server
+    if _fork_server is None or anew or _fork_server[0] != os.getpid() or _ended(_fork_server[1]):
         ours, theirs = socket.socketpair()
-        program = _PROGRAM.format(nursery.__module__, nursery.__qualname__)
+        program = _PROGRAM.format(serve.__module__, serve.__qualname__)
         with theirs:
             process = subprocess.Popen(
                 [sys.executable, "-c", program, str(theirs.fileno())],
                 pass_fds=[theirs.fileno()], start_new_session=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             )  # fmt: skip
-        if _nursery is not None:
-            if _nursery[0] == os.getpid():
-                _nursery[1].kill()
+        if _fork_server is not None:
+            if _fork_server[0] == os.getpid():
+                _fork_server[1].kill()
             with suppress(OSError):
-                _nursery[2].close()
-        _nursery = os.getpid(), process, ours
-    return _nursery[2]
+                _fork_server[2].close()
+        _fork_server = os.getpid(), process, ours
+    return _fork_server[2]
 
 
-def _ended(nursery: subprocess.Popen[bytes]) -> bool:
+def _ended(fork_server: subprocess.Popen[bytes]) -> bool:
     """Return whether it was killed: a fork of it may still hold its end, and would ask nobody."""
-    return nursery.poll() is not None
+    return fork_server.poll() is not None

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.drive_job import DriveJob
-from dea.acquisition.guardian import nursery
+from dea.acquisition.guardian import fork_server
 from dea.acquisition.launch import launch
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import TakenError
@@ -152,7 +152,7 @@ class Recorder:
         self._guardian: Process | None = None
         self._killed = False
         self._silence, self._looked = 0.0, time.monotonic()
-        self.wire = launch(nursery, anew=anew)
+        self.wire = launch(fork_server, anew=anew)
         self.wire.post(job)
 
     def _say(self, *message: Any) -> None:
