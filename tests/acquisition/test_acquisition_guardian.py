@@ -195,7 +195,7 @@ def test_a_guardian_that_is_sent_a_signal_goes_to_zero(module, partial, number):
 
 
 @pytest.mark.parametrize("number", [signal.SIGUSR1, signal.SIGPIPE, signal.SIGTSTP])
-def test_a_guardian_is_deaf_to_other_signals(module, partial, number):
+def test_a_guardian_ignores_other_signals(module, partial, number):
     def send():
         os.kill(guardian_of(module), number)
 

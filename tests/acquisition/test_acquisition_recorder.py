@@ -116,7 +116,7 @@ def test_the_last_guardian_is_left_to_try_though_it_is_silent(job, monkeypatch):
 
     class Following(Refusing):
         def __init__(self, process):
-            super().__init__(("hired", process.pid))
+            super().__init__(("started", process.pid))
             self.process = process
 
         def take(self):
@@ -147,8 +147,8 @@ def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_fork_server
         return Mute()
 
     monkeypatch.setattr(recorder, "launch", launch)
-    monkeypatch.setattr(recorder, "HIRING", 0.02)
-    monkeypatch.setattr(recorder, "HIRING_AGAIN", 0.02)
+    monkeypatch.setattr(recorder, "START_TIMEOUT", 0.02)
+    monkeypatch.setattr(recorder, "RESTART_TIMEOUT", 0.02)
     monkeypatch.setattr(recorder, "PAUSE", 0.0)
     with pytest.raises(ZeroNotVerifiedError, match="no guardian has begun"):
         Recorder(job, LinkLog(), lambda: None).end(None)

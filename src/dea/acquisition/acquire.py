@@ -94,11 +94,11 @@ def acquire(
     loop = excitation if isinstance(excitation, ClosedLoop) else None
     if loop is None:
         plan = plan_sequence(device, np.asarray(excitation), settings.ramp_rate)
-        asked: dict[str, Any] = {}
+        in_loop: dict[str, Any] = {}
     else:
         _refuse_unless_polled(settings)
         plan = loop.plan(device, settings.ramp_rate)
-        asked = {"asked": plan.length, "longest_step": loop.step(device)}
+        in_loop = {"closed_loop_samples": plan.length, "longest_step": loop.step(device)}
     _refuse_unbuffered(device, settings)
     refuse_unkept_heartbeat(device.safety, settings.mode, device.sampling_rate, device.source)
     refuse_unarmed(device, settings.armed_by)
@@ -115,7 +115,7 @@ def acquire(
         again = reset and attempt == 0
         token = randbits(31) + 1
         job = DriveJob(
-            device, settings, plan.counts, again, token, latch_file(device), log.started, **asked
+            device, settings, plan.counts, again, token, latch_file(device), log.started, **in_loop
         )
         try:
             samples = _attempt(job, plan, partial, watch, log, loop)

@@ -18,8 +18,9 @@ class DriveJob(NamedTuple):
     ``replaces`` says that it is so after a guardian that was lost.
     ``token`` claims the outputs of a device that has owners; 0 is that of the guardian before.
     ``latch`` is where a trip is kept. ``started`` is the origin of the link's times, s of the
-    monotonic clock. Of a closed loop, ``counts`` are the ramp to its start; ``asked`` samples
-    follow, which the recorder is asked for, no two more than ``longest_step`` counts apart.
+    monotonic clock. Of a closed loop, ``counts`` are the ramp to its start;
+    ``closed_loop_samples`` follow, which the recorder is asked for, no two more than
+    ``longest_step`` counts apart.
     """
 
     device: Device
@@ -29,6 +30,6 @@ class DriveJob(NamedTuple):
     token: int
     latch: Path
     started: float
-    asked: int = 0
+    closed_loop_samples: int = 0
     longest_step: int = 0
     replaces: bool = False

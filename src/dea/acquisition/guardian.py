@@ -56,9 +56,9 @@ BEAT = 0.5  # s between two signs of life
 # s for which one that only takes the output to zero waits for a guardian that ends; one that
 # replaces another waits as long as it takes.
 TAKING_OVER = 5.0
-ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
-# Signals that would by default end or stop the process; it ignores them.
-DEAF = (
+STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+# They would by default end or stop the process.
+IGNORED_SIGNALS = (
     signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF,
     signal.SIGPIPE, signal.SIGIO, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU,
 )  # fmt: skip
@@ -77,11 +77,11 @@ def guard(wire: Wire) -> None:
         wire.wait(1.0)
     job: DriveJob = messages[0][0]
     guardian = Guardian(wire, job, messages[1:])
-    for number in ASKING:
-        signal.signal(number, guardian.asked)
-    for number in DEAF:
+    for number in STOP_SIGNALS:
+        signal.signal(number, guardian.note_signal)
+    for number in IGNORED_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    wire.post("hired", os.getpid())
+    wire.post("started", os.getpid())
     waits = math.inf if job.replaces else GLANCE if job.counts.size else TAKING_OVER
     patience, meanwhile = job.settings.patience, guardian.wait_for_locks
     while True:
@@ -123,13 +123,13 @@ class Guardian:
         self._signal: str | None = None
         self._begun = False
         self._looked = self._heard = self._locked = self._told = time.monotonic()
-        self._hired = time.monotonic()
+        self._started = time.monotonic()
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
         self._first_trip = FirstTrip(job.device, job.latch)
 
-    def asked(self, number: int, _frame: object) -> None:
+    def note_signal(self, number: int, _frame: object) -> None:
         """Note a signal that asks for zero; the next check acts on it."""
         self._signal = signal.Signals(number).name
 
@@ -188,7 +188,10 @@ class Guardian:
         self._tell()
         if self._signal is not None:
             raise InputError(f"the guardian was sent {self._signal} while it waited for its lock")
-        if time.monotonic() - self._hired > self.job.settings.reconnect_time and self.job.replaces:
+        if (
+            time.monotonic() - self._started > self.job.settings.reconnect_time
+            and self.job.replaces
+        ):
             self._raise_alarm(InputError("another program has the lock of the output"))
 
     def _last_known(self) -> float | None:
@@ -251,9 +254,9 @@ class Guardian:
 
     def _sequence(self) -> polled.DrivenCounts:
         job = self.job
-        if not job.asked:
+        if not job.closed_loop_samples:
             return Planned(job.counts, self.output.panel.zero)
-        plan = OutputPlan(job.counts, job.counts.size, job.asked)
+        plan = OutputPlan(job.counts, job.counts.size, job.closed_loop_samples)
         return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
 
     def _ask(self, displacement: float) -> None:

@@ -24,8 +24,9 @@ GUARDIANS = 8  # that may end before zero is shown, one after the other
 PAUSE = 0.2  # s longer before each of them
 # s until a guardian reports, whatever has to be loaded for it: the first, before there is voltage,
 # and those that follow it.
-HIRING, HIRING_AGAIN = 60.0, 20.0
-KILLS = 2  # of guardians that give no sign of life; then the alarm, and the last is left to try
+START_TIMEOUT, RESTART_TIMEOUT = 60.0, 20.0
+# Guardians that give no sign of life and are killed; then the alarm, and the last is left to try.
+MOST_KILLS = 2
 LONGEST_LOOK = 0.5  # s of silence between two looks: more is time in which this process stood still
 
 
@@ -56,7 +57,7 @@ class Recorder:
         self._beat = 0.0
         self._kills = 0
         self._inbox: deque[tuple[Any, ...]] = deque()  # a reader may stop in mid-batch
-        self._hire(self.job)
+        self._start(self.job)
 
     def __enter__(self) -> Self:
         return self
@@ -122,7 +123,7 @@ class Recorder:
                 pass
 
     def _replace_guardian(self, lost: int, error: GuardianLostError) -> None:
-        """Hire another guardian, who only takes the output to zero, after so many were lost."""
+        """Start another guardian, which only takes the output to zero, after so many were lost."""
         cause: Exception = error
         never_came = self._guardian is None
         if self._guardian is not None:
@@ -131,7 +132,7 @@ class Recorder:
             time.sleep(PAUSE * (lost - 1))
             try:
                 nothing = self.job.counts[:0]
-                self._hire(self.job._replace(counts=nothing, replaces=True), anew=never_came)
+                self._start(self.job._replace(counts=nothing, replaces=True), anew=never_came)
                 return
             except OSError as refused:
                 cause = refused
@@ -147,7 +148,7 @@ class Recorder:
         alarm.join(1.0)
         return ZeroNotVerifiedError(text)
 
-    def _hire(self, job: DriveJob, *, anew: bool = False) -> None:
+    def _start(self, job: DriveJob, *, anew: bool = False) -> None:
         self._replacement = job.replaces
         self._guardian: Process | None = None
         self._killed = False
@@ -187,11 +188,11 @@ class Recorder:
         self._silence += min(now - self._looked, LONGEST_LOOK)
         self._looked = now
         if self._guardian is None:
-            if self._silence > (HIRING_AGAIN if self._replacement else HIRING):
+            if self._silence > (RESTART_TIMEOUT if self._replacement else START_TIMEOUT):
                 self.wire.close()
                 raise GuardianLostError("no guardian has begun")
         elif self._silence > self.job.settings.patience:
-            if self._killed or self._kills == KILLS:
+            if self._killed or self._kills == MOST_KILLS:
                 raise self._given_up(
                     f"the guardian has given no sign of life for {self._silence:.0f} s: switch the "
                     "amplifier off"
@@ -202,7 +203,7 @@ class Recorder:
 
     def _heed(self, kind: str, *content: Any) -> None:
         self._silence = 0.0
-        if kind == "hired":
+        if kind == "started":
             with suppress(ProcessLookupError):  # it has ended already
                 self._guardian = Process(content[0])
         if kind == "ask" and self.answer is not None:
