@@ -37,7 +37,7 @@ FIRST = -1  # number of the record that is begun from
 
 @dataclass
 class Film:
-    """The desk of a trial: its device is driven in this process, from rest each time."""
+    """Records of a trial: its device is driven in this process, from rest each time."""
 
     trial: Trial
     driven: list[Record] = field(default_factory=list)
@@ -66,14 +66,14 @@ def violated(record: Record, limits: Limits) -> bool:
 
 def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -> dict[str, Any]:
     """Resolve a trial; return what was said, and what it cost."""
-    desk = Film(trial)
-    first = desk.record(FIRST, design(**trial.excitation))
+    source = Film(trial)
+    first = source.record(FIRST, design(**trial.excitation))
     asked = leaves["resolution"]
     limits = Limits.of([first], asked["output_margin"])
     found = resolution.resolve(
         [first],
         trial.kind.simulation,
-        desk,
+        source,
         limits,
         settings=Settings.of({**leaves, "system": trial.name}),
         options=Options(RECORDS, asked["duration"], asked["level"], asked["another"], forms),
@@ -94,7 +94,7 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
         "decided": found.outcome is ResolutionOutcome.DECIDED,
         "records": len(found.rounds),
         "seconds": found.last.driven,
-        "limit violated": any(violated(each, limits) for each in desk.driven),
+        "limit violated": any(violated(each, limits) for each in source.driven),
         "left open": bool(found.rounds or found.halted),
         "ambiguous at first": before.status == "ambiguous",
     }

@@ -39,7 +39,7 @@ def as_record(u, y):
 
 @dataclass
 class InMemory:
-    """A desk that drives a device as soon as it is asked, and keeps all in memory."""
+    """A source of records that drives a device as soon as it is asked, and keeps all in memory."""
 
     device: object
     designs: dict = field(default_factory=dict)

@@ -46,10 +46,10 @@ def first(device):
     return device(u, 0)
 
 
-def solved(device, options=OPTIONS, desk=None):
-    desk = desk or InMemory(device)
+def solved(device, options=OPTIONS, source=None):
+    source = source or InMemory(device)
     records = [first(device)]
-    return resolve(records, CARRIAGE, desk, LIMITS, settings=SETTINGS, options=options), desk
+    return resolve(records, CARRIAGE, source, LIMITS, settings=SETTINGS, options=options), source
 
 
 DEVICES = {
@@ -66,14 +66,14 @@ def solved_once(effect):
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", DEVICES)
 def test_designed_records_leave_the_effect_that_is_hidden(effect):
-    found, desk = solved_once(effect)
+    found, source = solved_once(effect)
     assert found.first.outcome(OPTIONS.level) is ResolutionOutcome.OPEN
     assert {"sensor_lag", "transport_delay"} <= found.first.posterior.left(OPTIONS.level)
     assert found.outcome is ResolutionOutcome.DECIDED
     assert found.last.diagnosis.verdict.names == (effect,)
-    assert [each.number for each in desk.kept] == list(range(1, len(found.rounds) + 1))
+    assert [each.number for each in source.kept] == list(range(1, len(found.rounds) + 1))
     assert found.certificate.after < 1.3 * NOISE < found.certificate.before
-    for design in desk.designs.values():
+    for design in source.designs.values():
         assert design.u.min() >= LIMITS.low
         assert design.u.max() <= LIMITS.high
         assert np.abs(np.diff(design.u)).max() / INTERVAL <= LIMITS.rate * (1 + 1e-9)
@@ -81,9 +81,9 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
     dataset = resolution_dataset(found, OPTIONS.level)
     np.testing.assert_allclose(np.nansum(dataset["probability"], axis=1), 1.0)
     assert dataset["names"].values[-1] == effect
-    seconds = sum(desk.designs[each.number].u.size for each in found.rounds) * INTERVAL
+    seconds = sum(source.designs[each.number].u.size for each in found.rounds) * INTERVAL
     assert dataset["driven"].values[-1] == pytest.approx(seconds)
-    assert CERTIFICATE in desk.designs
+    assert CERTIFICATE in source.designs
 
 
 @pytest.mark.slow
@@ -93,23 +93,23 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
 )
 def test_an_effect_that_is_not_offered_ends_without_a_name(effect, law, imitated):
     """An electrode whose current is a power of the voltage imitates a dead zone, and no stop."""
-    found, desk = solved(hidden(effect, law), Options(records=1, duration=10.0))
+    found, source = solved(hidden(effect, law), Options(records=1, duration=10.0))
     assert found.outcome is not ResolutionOutcome.DECIDED
     assert found.certificate is None
-    assert CERTIFICATE not in desk.designs
+    assert CERTIFICATE not in source.designs
     assert found.last.verdict.status != "named"
     assert imitated or found.last.posterior.now["another"] > 0.99
 
 
 @pytest.mark.slow
 def test_a_loop_that_was_ended_goes_on_with_what_it_has():
-    whole, desk = solved_once("transport_delay")
+    whole, source = solved_once("transport_delay")
 
     def driven_again(u, seed):
         raise AssertionError("a record that there is was driven again")
 
-    again = InMemory(driven_again, designs=dict(desk.designs), records=dict(desk.records))
-    resumed, _ = solved(DEVICES["transport_delay"], desk=again)
+    again = InMemory(driven_again, designs=dict(source.designs), records=dict(source.records))
+    resumed, _ = solved(DEVICES["transport_delay"], source=again)
     assert resumed.last.posterior == whole.last.posterior
 
 

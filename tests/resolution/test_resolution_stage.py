@@ -161,8 +161,8 @@ def test_a_case_without_physics_and_a_changed_excitation_are_refused(case, capsy
 
 
 @pytest.fixture
-def desk(tmp_path, monkeypatch, serve_bench):
-    """Return what makes the desk of an actuator: hardware, or virtual."""
+def source(tmp_path, monkeypatch, serve_bench):
+    """Return what makes the source of records of an actuator: hardware, or virtual."""
     bench = serve_bench()
     shutil.copytree(ROOT / "config", tmp_path / "config")
     monkeypatch.chdir(tmp_path)
@@ -190,15 +190,15 @@ def desk(tmp_path, monkeypatch, serve_bench):
     return make
 
 
-def put(desk, number, u):
-    place = desk.place(number)
+def put(source, number, u):
+    place = source.place(number)
     place.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{k},{v!r}\n" for k, v in enumerate(u.tolist()))
     (place / "excitation.csv").write_text("time,input\n" + text)
 
 
-def test_a_record_of_hardware_is_archived_and_not_driven_again(desk):
-    own, u = desk("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+def test_a_record_of_hardware_is_archived_and_not_driven_again(source):
+    own, u = source("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)
     record = own.record(1, u)
     np.testing.assert_allclose(record["voltage"], u, atol=1e-3)
@@ -212,7 +212,7 @@ def test_a_record_of_hardware_is_archived_and_not_driven_again(desk):
     np.testing.assert_array_equal(again["displacement"], record["displacement"])
 
 
-def test_hardware_with_high_voltage_is_armed_before_any_design(desk, capsys):
+def test_hardware_with_high_voltage_is_armed_before_any_design(source, capsys):
     device = Path("config/devices/mine.yaml")
     device.write_text(device.read_text() + "safety: {max_rate: 100.0}\n")
     with pytest.raises(SystemExit) as exit_:
@@ -224,8 +224,8 @@ def test_hardware_with_high_voltage_is_armed_before_any_design(desk, capsys):
     assert not Path("records").exists()
 
 
-def test_a_record_whose_clock_was_off_is_not_taken_again(desk, clock_off):
-    own, u = desk("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+def test_a_record_whose_clock_was_off_is_not_taken_again(source, clock_off):
+    own, u = source("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)
     with pytest.raises(DeviceError, match="is kept, and no sample of it is good"):
         own.record(1, u)
@@ -233,8 +233,8 @@ def test_a_record_whose_clock_was_off_is_not_taken_again(desk, clock_off):
     assert not own.recorded(1)
 
 
-def test_a_record_that_another_first_record_led_to_is_not_taken(desk):
-    own = desk("film1")
+def test_a_record_that_another_first_record_led_to_is_not_taken(source):
+    own = source("film1")
     put(own, CERTIFICATE, np.full(50, 1.5))
     played = own._settings(CERTIFICATE)
     with archive.unfinished("film1") as folder:
@@ -245,8 +245,8 @@ def test_a_record_that_another_first_record_led_to_is_not_taken(desk):
 
 
 @pytest.mark.slow
-def test_a_virtual_actuator_is_driven_once(desk):
-    own, u = desk("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+def test_a_virtual_actuator_is_driven_once(source):
+    own, u = source("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)
     record = own.record(1, u)
     file = own.place(1) / "record.nc"
@@ -256,16 +256,16 @@ def test_a_virtual_actuator_is_driven_once(desk):
     assert not Path("records").exists()
 
 
-def test_a_voltage_beyond_the_limits_is_refused_before_anything_is_driven(desk):
-    own, u = desk("film1"), np.full(100, 3.9)
+def test_a_voltage_beyond_the_limits_is_refused_before_anything_is_driven(source):
+    own, u = source("film1"), np.full(100, 3.9)
     put(own, 1, u)
     with pytest.raises(InputError, match=r"asks for 3\.9 V, outside"):
         own.record(1, u)
     assert not Path("records").exists()
 
 
-def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
-    own = desk("film1")
+def test_a_design_that_was_changed_or_is_of_another_record_is_refused(source):
+    own = source("film1")
     own.write_table = lambda path, u: put(own, 1, u)
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
     kept = own.design(1, lambda: made)
@@ -276,8 +276,8 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
         own.design(1, lambda: made)
 
 
-def test_a_design_that_was_not_driven_obeys_the_limits_of_today(desk):
-    own = desk("dea1")
+def test_a_design_that_was_not_driven_obeys_the_limits_of_today(source):
+    own = source("dea1")
     own.write_table = lambda path, u: put(own, 1, u)
     fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
     own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
@@ -291,8 +291,8 @@ def test_a_design_that_was_not_driven_obeys_the_limits_of_today(desk):
     np.testing.assert_array_equal(own.design(1, lambda: None).u, slow)
 
 
-def test_a_design_whose_making_was_ended_is_made_anew(desk, monkeypatch):
-    own = desk("dea1")
+def test_a_design_whose_making_was_ended_is_made_anew(source, monkeypatch):
+    own = source("dea1")
     own.write_table = lambda path, u: put(own, 1, u)
     fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
     own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
@@ -305,8 +305,8 @@ def test_a_design_whose_making_was_ended_is_made_anew(desk, monkeypatch):
     np.testing.assert_array_equal(own.design(1, lambda: made).u, slow)
 
 
-def test_the_smaller_of_the_rates_that_are_given_holds(desk):
-    own = desk("film1")
+def test_the_smaller_of_the_rates_that_are_given_holds(source):
+    own = source("film1")
     record = hidden("transport_delay", [0.15])(np.linspace(0.0, 1.0, 50), 0)
     for asked, allowed, rate in ((20.0, 0.5, 0.5), (0.2, 0.5, 0.2), (None, 0.5, 0.5)):
         asks = own.study.resolution.model_copy(update={"rate": asked})

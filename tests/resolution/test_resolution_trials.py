@@ -1,4 +1,4 @@
-"""The campaign of ambiguous trials: its desk, and what its table counts."""
+"""The campaign of ambiguous trials: its source of records, and what its table counts."""
 
 import json
 

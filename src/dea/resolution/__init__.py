@@ -7,19 +7,19 @@ from dea.resolution.excitation import Limits
 from dea.resolution.kept import Kept
 from dea.resolution.knowledge import ANOTHER, Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE
-from dea.resolution.rounds import Desk, Resolution, ResolutionRound, resolve
+from dea.resolution.rounds import RecordSource, Resolution, ResolutionRound, resolve
 
 __all__ = [
     "ANOTHER",
     "CERTIFICATE",
     "ByHand",
     "Design",
-    "Desk",
     "Forms",
     "Kept",
     "Knowledge",
     "Limits",
     "Options",
+    "RecordSource",
     "Resolution",
     "ResolutionOutcome",
     "ResolutionRound",

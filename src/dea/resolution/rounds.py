@@ -67,7 +67,7 @@ class Resolution:
         return self.rounds[-1].after if self.rounds else self.first
 
 
-class Desk(Protocol):
+class RecordSource(Protocol):
     """Where excitations are kept and records come from."""
 
     def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
@@ -83,7 +83,7 @@ class Desk(Protocol):
 def resolve(
     records: "Sequence[Record | xr.Dataset]",
     simulation: Simulation | str,
-    desk: Desk,
+    source: RecordSource,
     limits: Limits,
     *,
     settings: Settings | None = None,
@@ -93,7 +93,7 @@ def resolve(
     """Drive designed records until one explanation is left, or the budget is spent.
 
     Everything but the records follows from their order, the settings and the seed, so that a loop
-    that was ended goes on where it was: the ``desk`` returns the designs and records there are.
+    that was ended goes on where it was: the ``source`` returns the designs and records there are.
     """
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
@@ -105,28 +105,30 @@ def resolve(
         if not rounds and known.verdict.status == Status.NONE:
             break
         number = len(rounds) + 1
-        design = desk.design(number, partial(next_design, known, limits, settings, options, number))
+        design = source.design(
+            number, partial(next_design, known, limits, settings, options, number)
+        )
         if design is None:
             halted = f"Record {number} is not driven: {_NOWHERE}"
             break
-        record = desk.record(number, design.u)
+        record = source.record(number, design.u)
         if record is None:
             return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
         with part_of(f"record {number}"):
             after, log_densities = learnt(known, record, own, settings, options, workers)
         rounds.append(ResolutionRound(number, design, log_densities, known, after))
-        desk.keep(rounds[-1])
+        source.keep(rounds[-1])
         known = after
     outcome = known.outcome(options.level)
     found = Resolution(first, tuple(rounds), outcome, halted=halted)
     if outcome not in (ResolutionOutcome.DECIDED, ResolutionOutcome.PART) or not rounds:
         return found
-    return _certified(found, desk, own, limits, settings, options)
+    return _certified(found, source, own, limits, settings, options)
 
 
 def _certified(
     found: Resolution,
-    desk: Desk,
+    source: RecordSource,
     simulation: Simulation,
     limits: Limits,
     settings: Settings,
@@ -136,10 +138,12 @@ def _certified(
     diagnosis = found.last.diagnosis
     if not transferable(diagnosis.final.extended):
         return found
-    design = desk.design(CERTIFICATE, partial(fresh_design, found.last, limits, settings, options))
+    design = source.design(
+        CERTIFICATE, partial(fresh_design, found.last, limits, settings, options)
+    )
     if design is None:
         return replace(found, halted=f"The name is not certified: {_NOWHERE}")
-    record = desk.record(CERTIFICATE, design.u)
+    record = source.record(CERTIFICATE, design.u)
     if record is None:
         return replace(found, pending=CERTIFICATE)
     other = {"fresh": signals_of(record, simulation)}

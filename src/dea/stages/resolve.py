@@ -56,7 +56,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     records = [store.read_record(first).isel(time=slice(study.resolution.first))]
     leaves = written(study) | {"system": name, "split": {}}
     simulation = study.discrepancy.simulation
-    desk: Driven | ByHand
+    source: Driven | ByHand
     given: list[str] = []
     options = Options(
         study.resolution.records,
@@ -66,7 +66,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     )
     if device is not None:
         limits = _of_device(study, device, records[0])
-        desk = Driven(folder, first, limits, study, actuators[name], device, operator)
+        source = Driven(folder, first, limits, study, actuators[name], device, operator)
     else:
         case = cases[name]
         simulation = simulation_of(case, CASES / f"{name}.yaml")
@@ -74,13 +74,13 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         given = [key for key in case.records if not key.startswith(DESIGNED)]
         records += [store.read_record(further / f"{key}.nc") for key in given]
         limits = _of_records(study, records)
-        desk = ByHand(folder, first, limits, further, case, CASES / f"{name}.yaml")
+        source = ByHand(folder, first, limits, further, case, CASES / f"{name}.yaml")
     withdraw()
     found = resolution.resolve(
-        records, simulation, desk, limits,
+        records, simulation, source, limits,
         settings=Settings.of(leaves), options=options, workers=threads,
     )  # fmt: skip
-    desk.finish(found)
+    source.finish(found)
     driven = [each.number for each in found.rounds]
     driven += [CERTIFICATE] if found.certificate else []
     store.write(
@@ -90,7 +90,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         inputs={
             "record": first,
             **{key: further / f"{key}.nc" for key in given},
-            **{record_key(number): desk.file(number) for number in driven},
+            **{record_key(number): source.file(number) for number in driven},
         },
         settings=leaves,
         seed=study.seed,
