@@ -81,9 +81,9 @@ def findings_of(tmp_path, record, model, gfrf):
         contract = "imported_record" if name == "record" else name
         store.write(dataset.assign_attrs(contract=contract), folder / f"{name}.nc", title=name)
     skipped = [
-        {"name": "end_stop", "balance": None, "reason": "no force port"},
-        {"name": "dead_zone", "balance": "<left>", "reason": "it does not move"},
-        {"name": "creep", "balance": None, "reason": "no force port"},
+        {"name": "end_stop", "place": None, "reason": "no force port"},
+        {"name": "dead_zone", "place": "<left>", "reason": "it does not move"},
+        {"name": "creep", "place": None, "reason": "no force port"},
     ]
     verdict = {"sentence": "It lacks a `<delay>`.", "not_offered": skipped}
     (folder / "verdict.json").write_text(json.dumps(verdict))

@@ -116,6 +116,10 @@ def test_the_list_is_written_and_read(tmp_path):
     verdict.write(file)
     assert read_verdict(file) == verdict
     assert "the force port knows a velocity alone" in file.read_text()
-    file.write_text(file.read_text().replace("alone", "only"))
+    written = file.read_text()
+    file.write_text(written.replace("alone", "only"))
     with pytest.raises(InputError, match="no verdict"):
+        read_verdict(file)
+    file.write_text(written.replace('"place"', '"balance"'))
+    with pytest.raises(InputError, match=r"of an earlier version .*'balance'.* Make it again"):
         read_verdict(file)

@@ -82,7 +82,7 @@ def test_a_delay_is_named_at_its_input(late):
     verdict = late.verdict
     assert (verdict.status, verdict.names) == ("named", ("transport_delay",)), verdict.sentence
     (effect,) = verdict.effects
-    assert (effect.balance, effect.port) == ("right", "input path")
+    assert (effect.place, effect.port) == ("right", "input path")
     assert effect.parameters["delay"].low <= 2.0 <= effect.parameters["delay"].high
     assert "`transport_delay` at right (delay 2 ±" in verdict.sentence
     assert verdict.presence["effects"]["transport_delay@right"] > 0.9
@@ -96,7 +96,7 @@ def test_a_lag_is_named_at_its_input():
     verdict = found(recorded(lag=1.5)).verdict
     (effect,) = verdict.effects
     assert verdict.status == "named", verdict.sentence
-    assert (effect.family, effect.balance) == ("lag", "left"), verdict.sentence
+    assert (effect.family, effect.place) == ("lag", "left"), verdict.sentence
 
 
 @pytest.mark.slow
@@ -132,7 +132,7 @@ def test_a_saved_extension_simulates_the_same(late, tmp_path):
 def test_several_records_are_diagnosed_together():
     verdict = found(recorded(delay=2.0, samples=500), recorded(2.0, 0.0, 500, 2, 0.5)).verdict
     assert (verdict.status, verdict.names) == ("named", ("transport_delay",)), verdict.sentence
-    assert verdict.effects[0].balance == "right"
+    assert verdict.effects[0].place == "right"
 
 
 def problem_of(u):

@@ -64,7 +64,7 @@ def verdict(status="named"):
         "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V"},
         "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1"},
     }
-    effect = {"name": "dead_zone", "port": "input path", "balance": None, "share": 0.724}
+    effect = {"name": "dead_zone", "port": "input path", "place": None, "share": 0.724}
     effects = [effect | {"parameters": law}]
     return {
         "status": status,
@@ -299,8 +299,8 @@ def test_an_effect_at_a_port_or_input_has_the_share_of_its_best_place():
 
 def test_an_effect_that_acts_at_two_places_has_the_sum_of_its_shares():
     said = verdict()
-    first = said["effects"][0] | {"balance": "upper", "share": 0.6}
-    said["effects"] = [first, first | {"balance": "lower", "share": 0.1}]
+    first = said["effects"][0] | {"place": "upper", "share": 0.6}
+    said["effects"] = [first, first | {"place": "lower", "share": 0.1}]
     certificate = CERTIFICATE.assign(
         {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in PARTS}
     )

@@ -152,7 +152,7 @@ class Findings:
         """Which effects the diagnosis never tried, and why; empty where it tried all."""
         by_reason: dict[str, list[str]] = {}
         for each in self._verdict["not_offered"] if self._verdict else []:
-            at = f" at {each['balance']}" if each["balance"] else ""
+            at = f" at {each['place']}" if each["place"] else ""
             by_reason.setdefault(each["reason"], []).append(f"`{each['name']}`{at}")
         told = [f"{', '.join(names)} ({reason})" for reason, names in by_reason.items()]
         return f"Not tried: {'; '.join(told)}." if told else ""

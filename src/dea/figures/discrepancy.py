@@ -126,7 +126,7 @@ def _named(effect: Mapping[str, Any]) -> str:
     """Return an effect's name in words, with the input it acts at where there are several."""
     name = str(effect["name"]).replace("_", " ")
     pushes = effect["port"] == "force balance"
-    return name if pushes or not effect["balance"] else f"{name} at {effect['balance']}"
+    return name if pushes or not effect["place"] else f"{name} at {effect['place']}"
 
 
 def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -316,7 +316,7 @@ def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
     labels: list[str] = []
     for effect in effects:
         if len(effects) > 1:
-            place = f"@{effect['balance']}" if effect["balance"] else ""
+            place = f"@{effect['place']}" if effect["place"] else ""
             header = _in_words(f"{effect['name']}{place}").replace("\n", " ")
             ax.text(-100, len(labels), header, va="center", fontsize=6)
             labels.append("")
@@ -360,7 +360,7 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
     """
     named: dict[str, float | None] = {}
     for effect in verdict["effects"]:
-        for name in (effect["name"], f"{effect['name']}@{effect['balance']}"):
+        for name in (effect["name"], f"{effect['name']}@{effect['place']}"):
             before, own = named.get(name), effect["share"]
             # An effect may act at two places.
             named[name] = own if before is None else before + (own or 0.0)

@@ -87,7 +87,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 gain=(part.gain, part.low, part.high),
                 presence=found.presence.effects.get(extended.name_of(attached), 0.0),
                 rivals=rivals,
-                balance=place.name if place else None,
+                place=place.name if place else None,
                 share=part_removed,
                 change=_change(found, index),
             )

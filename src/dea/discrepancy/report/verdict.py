@@ -57,7 +57,7 @@ class NamedEffect:
         an effect alone.
     rivals
         The effects of each extension that this record cannot tell from it.
-    balance
+    place
         Name of the force port, or of the input, it acts at, if the simulation has several.
     presence
         Probability that it is part of the answer, whatever else is.
@@ -76,7 +76,7 @@ class NamedEffect:
     gap_after: float
     gain: tuple[float, float, float]
     rivals: tuple[tuple[str, ...], ...] = ()
-    balance: str | None = None
+    place: str | None = None
     presence: float = 1.0
     share: float | None = None
     change: Change | None = None
@@ -147,7 +147,7 @@ def read_verdict(path: str | Path) -> Verdict:
     Raises
     ------
     InputError
-        If the file is missing or is no verdict.
+        If the file is missing, is no verdict, or has the names of an earlier version.
     """
     file = Path(path)
     if not file.exists():
@@ -180,5 +180,7 @@ def read_verdict(path: str | Path) -> Verdict:
         )
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
-            f"it is no verdict ({type(error).__name__}: {error})", file=file, remedy="Make it again"
+            f"it is no verdict, or one of an earlier version ({type(error).__name__}: {error})",
+            file=file,
+            remedy="Make it again",
         ) from error

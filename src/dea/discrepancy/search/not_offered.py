@@ -29,13 +29,13 @@ class NotOffered:
 
     name: str
     port: str
-    balance: str | None
+    place: str | None
     reason: Obstacle
 
     @property
     def label(self) -> str:
         """The effect's name, with its force port or input where there are several."""
-        return f"{self.name}@{self.balance}" if self.balance else self.name
+        return f"{self.name}@{self.place}" if self.place else self.name
 
     @classmethod
     def at(
@@ -48,8 +48,8 @@ class NotOffered:
             named = [port.name for port in own.force_ports]
         elif effect.on_input and extended.places(effect) > 1:
             named = [each.name for each in own.inputs]
-        balance = named[place] if len(named) > 1 else None
-        return cls(effect.name, str(effect.port), balance, reason)
+        where = named[place] if len(named) > 1 else None
+        return cls(effect.name, str(effect.port), where, reason)
 
     @classmethod
     def by_settings(cls, effect: Effect) -> "NotOffered":
