@@ -324,7 +324,7 @@ def test_a_residual_is_found_along_what_it_depends_on(along, large, number, low,
     found = localised.dataset
     edges = float(found[f"{along}_low"][number]), float(found[f"{along}_high"][number])
     assert edges == pytest.approx((low, high), abs=0.05)
-    rms = found[f"{along}_gap"].values
+    rms = found[f"{along}_rms"].values
     assert rms[number] == pytest.approx(0.05, rel=0.1)
     others = [n for n in range(rms.size) if n != number]
     np.testing.assert_allclose(rms[others], 0.01, rtol=0.35)

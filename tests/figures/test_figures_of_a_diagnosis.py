@@ -31,7 +31,7 @@ BINS = {
         ("before", np.array([3.0, 4.0, 5.0])),
         ("after", np.array([1.0, 2.0, 1.5])),
     )
-    for what, unit in (("gap", "mm"), ("null", "mm"))
+    for what, unit in (("rms", "mm"), ("null", "mm"))
 }
 EDGES = {
     f"{along}_{end}_{when}": (
@@ -115,7 +115,7 @@ def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
     assert ax.get_xlabel() == "input (V)"
     steps = {patch.get_label(): patch.get_data() for patch in ax.patches}
     for when in ("before", "after"):
-        np.testing.assert_array_equal(steps[when].values, LOCALISATION[f"input_gap_{when}"])
+        np.testing.assert_array_equal(steps[when].values, LOCALISATION[f"input_rms_{when}"])
         np.testing.assert_array_equal(steps[when].edges, [0, 1, 2, 3])
     dotted = [p.get_data().values for p in ax.patches if p.get_linestyle() == ":"]
     expected = [LOCALISATION[f"input_null_{when}"] for when in ("before", "after")]
@@ -124,7 +124,7 @@ def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
 
 def test_a_bin_without_samples_is_left_open():
     bare = LOCALISATION.copy(deep=True)
-    for what in ("gap", "null"):
+    for what in ("rms", "null"):
         bare[f"input_{what}_before"].values[1] = 0.0
     ax = discrepancy(bare, CANDIDATES, CERTIFICATE, verdict()).axes[2]
     steps = {patch.get_label(): patch.get_data().values for patch in ax.patches}

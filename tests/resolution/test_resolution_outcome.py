@@ -94,7 +94,7 @@ def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, se
     dataset = resolution_dataset(whole, 0.01)
     assert list(dataset["names"].values) == ["a", ""]
     assert list(dataset["status"].values) == ["named", status]
-    assert list(dataset["gap_after"].values) == [1.0, 2.0]
+    assert list(dataset["error_after"].values) == [1.0, 2.0]
     for words in (dataset.attrs["sentence"], said("film", whole)):
         assert sentence in words
         assert "It is a." not in words

@@ -165,10 +165,10 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
 
 def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw what was measured and simulated where the certified samples, or all, disagree most."""
-    gap = np.abs((certificate["measured"] - certificate["nominal"]).values)
-    shown = _certified(certificate) or [slice(0, gap.size)]
-    run = max(shown, key=lambda each: float(np.nanmax(gap[each])))
-    worst = run.start + int(np.nanargmax(gap[run]))
+    error = np.abs((certificate["measured"] - certificate["nominal"]).values)
+    shown = _certified(certificate) or [slice(0, error.size)]
+    run = max(shown, key=lambda each: float(np.nanmax(error[each])))
+    worst = run.start + int(np.nanargmax(error[run]))
     first = max(run.start, min(worst - _RUN // 2, run.stop - _RUN))
     part = certificate.isel(time=slice(first, min(first + _RUN, run.stop)))
     time = part["time"].values
@@ -192,18 +192,18 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         low = localisation[f"{along}_low_{when}"].values
         high = localisation[f"{along}_high_{when}"].values
         edges = np.append(low, high[-1])
-        gap = localisation[f"{along}_gap_{when}"]
+        rms = localisation[f"{along}_rms_{when}"]
         null = localisation[f"{along}_null_{when}"].values
-        empty = (gap.values == 0.0) & ~(null > 0.0)  # bins without samples, as of those kept aside
-        ax.stairs(np.where(empty, np.nan, gap.values), edges, color=colour, label=when, lw=1.1)
+        empty = (rms.values == 0.0) & ~(null > 0.0)  # bins without samples, as of those kept aside
+        ax.stairs(np.where(empty, np.nan, rms.values), edges, color=colour, label=when, lw=1.1)
         ax.stairs(np.where(empty, np.nan, null), edges, color=colour, ls=":", lw=0.7)
-        highest = max(highest, float(gap.max()), float(null.max()))
+        highest = max(highest, float(rms.max()), float(null.max()))
     ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
     ends = localisation[f"{along}_low_before"].attrs
     called = str(ends["long_name"]).removesuffix(": lower end").replace("_", " ")
     ax.set(
         xlabel=style.quantity(called, ends["units"]),
-        ylabel=style.quantity("RMS residual", gap.attrs["units"]),
+        ylabel=style.quantity("RMS residual", rms.attrs["units"]),
         ylim=(0, _HEADROOM * highest),
     )
     ax.locator_params(axis="x", nbins=6)

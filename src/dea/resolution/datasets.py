@@ -49,10 +49,12 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
             "driven": over([s.driven for s in steps], "s", "time driven in designed records"),
             "status": over([_status(s) for s in steps], "1", "verdict on all records so far"),
             "names": over([_names(s) for s in steps], "1", "effects of that verdict"),
-            "gap_before": over(
-                [_gap(s, False) for s in steps], unit, "error of the simulation alone"
+            "error_before": over(
+                [_error(s, False) for s in steps], unit, "error of the simulation alone"
             ),
-            "gap_after": over([_gap(s, True) for s in steps], unit, "error with the named effects"),
+            "error_after": over(
+                [_error(s, True) for s in steps], unit, "error with the named effects"
+            ),
             "form": over([d.form if d else "" for d in designs], "1", "form of the excitation"),
             "closest": over(
                 ["/".join(d.closest) if d else "" for d in designs],
@@ -98,7 +100,7 @@ def _names(known: Knowledge) -> str:
     return " or ".join("+".join(each) for each in (verdict.names, *verdict.rivals) if each)
 
 
-def _gap(known: Knowledge, named: bool) -> float:
+def _error(known: Knowledge, named: bool) -> float:
     found = known.diagnosis
     fitted = found.extended if named and not known.withdrawn else found.nominal
     return found.problem.seen_rmse(fitted.residual)

@@ -278,8 +278,8 @@ CONTRACTS: Mapping[str, Contract] = {
             "driven": _plain("round", units="s"),
             "status": _plain("round", units="1"),
             "names": _plain("round", units="1"),
-            "gap_before": _plain("round"),
-            "gap_after": _plain("round"),
+            "error_before": _plain("round"),
+            "error_after": _plain("round"),
             "form": _plain("round", units="1"),
             "closest": _plain("round", units="1"),
             "distance": _plain("round", units="1"),
@@ -353,19 +353,19 @@ CONTRACTS: Mapping[str, Contract] = {
     ),
     "localisation": Contract(
         required={
-            "gap_rms_before": _plain(),
-            "gap_rms_after": _plain(),
+            "rms_before": _plain(),
+            "rms_after": _plain(),
             **{
                 f"{along}_{part}_{when}": _plain(f"{along}_{when}")
                 for along in ("time", "output", "direction", "reversal")
-                for part in ("low", "high", "gap", "null")
+                for part in ("low", "high", "rms", "null")
                 for when in ("before", "after")
             },
         },
         # Of several inputs each has its own: input_1 and so on.
         optional={
             f"input_{part}_{when}": _plain(f"input_{when}")
-            for part in ("low", "high", "gap", "null")
+            for part in ("low", "high", "rms", "null")
             for when in ("before", "after")
         },
     ),

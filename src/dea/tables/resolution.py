@@ -20,7 +20,7 @@ def resolution(found: Mapping[str, xr.Dataset]) -> Table:
             part = dataset.isel(round=number)
             likeliest = int(np.nanargmax(part["probability"].values))
             last = number == dataset.sizes["round"] - 1
-            unit = part["gap_after"].attrs["units"]
+            unit = part["error_after"].attrs["units"]
             rows.append(
                 {
                     "system": name,
@@ -35,8 +35,8 @@ def resolution(found: Mapping[str, xr.Dataset]) -> Table:
                             np.isfinite(part["probability"].values) & (part["rejected"].values == 0)
                         )
                     ),
-                    f"error before ({unit})": float(part["gap_before"]),
-                    f"error after ({unit})": float(part["gap_after"]),
+                    f"error before ({unit})": float(part["error_before"]),
+                    f"error after ({unit})": float(part["error_after"]),
                     "outcome": str(dataset.attrs["outcome"]) if last else "",
                 }
             )

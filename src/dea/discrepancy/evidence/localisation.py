@@ -161,7 +161,7 @@ def localise(
         variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
     overall = float(np.sqrt(energy.mean()))
     variables |= _coherence(problem, residual, where, signals)
-    variables["gap_rms"] = ((), overall, _label(unit, "RMS residual"))
+    variables["rms"] = ((), overall, _label(unit, "RMS residual"))
     concentration = (
         _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
     )
@@ -208,7 +208,7 @@ def _along(
     return {
         f"{name}_low": (name, edges[:-1], _label(own, f"{called}: lower end")),
         f"{name}_high": (name, edges[1:], _label(own, f"{called}: upper end")),
-        f"{name}_gap": (name, rms, _label(unit, f"RMS residual along {called}")),
+        f"{name}_rms": (name, rms, _label(unit, f"RMS residual along {called}")),
         f"{name}_null": (
             name,
             np.sqrt(np.quantile(null, 0.95, axis=0)),

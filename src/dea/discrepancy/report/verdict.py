@@ -50,7 +50,7 @@ class NamedEffect:
 
     Parameters
     ----------
-    gap_before, gap_after
+    error_before, error_after
         Free-run errors on held-out blocks without and with it.
     gain
         Logarithm of their ratio with its 95 % interval, which holds over the whole catalogue for
@@ -72,8 +72,8 @@ class NamedEffect:
     port: str
     family: str
     parameters: dict[str, Estimate]
-    gap_before: float
-    gap_after: float
+    error_before: float
+    error_after: float
     gain: tuple[float, float, float]
     rivals: tuple[tuple[str, ...], ...] = ()
     place: str | None = None
