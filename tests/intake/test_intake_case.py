@@ -42,7 +42,7 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     assert main(["mine.csv"]) == 0
     assert capsys.readouterr().out == "mine\n"
     file = folder / "config" / "cases" / "mine.yaml"
-    assert "# a gap of 0.5" in file.read_text()
+    assert "# a missing stretch of 0.5" in file.read_text()
     assert "# Times are in s, frequencies in Hz, lags in samples" in file.read_text()
     content = yaml.safe_load(file.read_text())
     study = check_study(read_yaml("config/config.yaml", what="", example=""))

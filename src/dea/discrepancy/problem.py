@@ -10,7 +10,7 @@ from dea.discrepancy.evidence.period import period_of
 from dea.missing import filled, runs
 from dea.simulation import ExtendedSimulation
 
-_BRIDGED = 8  # samples of a gap across which a residual is interpolated
+_BRIDGED = 8  # samples of a missing stretch across which a residual is interpolated
 
 
 @dataclass(frozen=True)
@@ -92,16 +92,16 @@ class Problem(Samples):
 
     @cached_property
     def bridged(self) -> np.ndarray:
-        """Samples seen, and short gaps of missing outputs between them, shape (n,).
+        """Samples seen, and short stretches of missing outputs between them, shape (n,).
 
-        Its runs are the blocks: else scattered gaps would cut the record into pieces of a few
+        Its runs are the blocks: else scattered ones would cut the record into pieces of a few
         samples, neighbours of which are not independent.
         """
         result = self.seen.copy()
-        for gap in runs(~self.known):
-            inside = gap.start > 0 and gap.stop < self.size
-            if inside and gap.stop - gap.start <= _BRIDGED:
-                result[gap] = self.seen[gap.start - 1] and self.seen[gap.stop]
+        for missing in runs(~self.known):
+            inside = missing.start > 0 and missing.stop < self.size
+            if inside and missing.stop - missing.start <= _BRIDGED:
+                result[missing] = self.seen[missing.start - 1] and self.seen[missing.stop]
         return result
 
     def seen_rmse(self, residual: np.ndarray) -> float:

@@ -161,10 +161,11 @@ def _resampling(
         )
     several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []
-    gaps = steps[steps > 1.6 * interval]
-    if gaps.size:
-        several_gaps = f"{gaps.size} gaps, the longest" if gaps.size > 1 else "a gap"
-        notes.append(f"{several_gaps} of {gaps.max():.4g} s: flagged as missing")
+    missing = steps[steps > 1.6 * interval]
+    if missing.size:
+        several_missing = f"{missing.size} missing stretches, the longest"
+        stretches = several_missing if missing.size > 1 else "a missing stretch"
+        notes.append(f"{stretches} of {missing.max():.4g} s: flagged")
     uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
@@ -173,7 +174,7 @@ def _resampling(
             f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: {several}"
             " samples are averaged into one"
         )
-    needed = gaps.size or uneven > _JITTER * interval or several > 1 or not known.all()
+    needed = missing.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
 
 

@@ -108,7 +108,7 @@ def _power(signal: np.ndarray, known: np.ndarray) -> np.ndarray:
 def _without_slow(signal: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Return a signal less the mean of the known samples around each, zero where not known.
 
-    What is slow would else be spread over the band by the gaps.
+    What is slow would else be spread over the band by the missing stretches.
     """
     weights = np.convolve(known, _SLOW, "same")
     mean = np.convolve(signal * known, _SLOW, "same") / np.where(known, weights, 1.0)
