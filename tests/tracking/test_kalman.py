@@ -129,8 +129,11 @@ def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
     np.testing.assert_allclose(found.theta.sum(axis=1)[1000:], 4.0, atol=0.05)
 
 
-@pytest.mark.parametrize(("noise_ratio", "prior_variance"), [(-1e-9, 1.0), (1.0, -1e-9)])
-def test_a_negative_variance_is_refused(noise_ratio, prior_variance):
+@pytest.mark.parametrize(
+    ("noise_ratio", "prior_variance"),
+    [(-1e-9, 1.0), (1.0, -1e-9), (np.nan, 1.0), (np.inf, 1.0), (1.0, np.nan), (1.0, np.inf)],
+)
+def test_a_negative_or_unbounded_variance_is_refused(noise_ratio, prior_variance):
     variances = {"noise_ratio": [noise_ratio], "prior_variance": prior_variance}
     with pytest.raises(InputError, match="a variance is negative"):
         smooth(np.ones((3, 1)), np.ones(3), theta_0=np.zeros(1), **variances)

@@ -193,7 +193,17 @@ def test_parameters_that_walk_beside_others_are_off_by_all_of_their_steps(forget
     np.testing.assert_allclose(covariance[0], expected, rtol=1e-6, atol=1e-12)
 
 
-@pytest.mark.parametrize("setting", [{"forgetting": 0.0}, {"leakage": -1.0}, {"delta": 0.0}])
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"forgetting": 0.0},
+        {"leakage": -1.0},
+        {"leakage": np.inf},
+        {"leakage": "a"},
+        {"delta": 0.0},
+        {"delta": np.inf},
+    ],
+)
 def test_settings_out_of_range_are_refused(setting):
     with pytest.raises(InputError) as caught:
         recursive_least_squares(np.ones((3, 1)), np.ones(3), **setting)

@@ -270,6 +270,17 @@ def test_a_free_run_that_diverges_is_infinite_and_nothing_worse():
         ({"method": "output_error", "leakage": 0.0}, "leakage"),
         ({"thinning": 10}, "thinning"),
         ({"noise_ratio": 1e-6}, "noise_ratio"),
+        *(
+            ({"method": "kalman", "noise_ratio": ratio}, "noise_ratio")
+            for ratio in (np.nan, np.inf, -1e-6, "a", [1e-6] * 6 + [np.nan])
+        ),
+        *(({"delta": delta}, "delta") for delta in (np.inf, np.nan, "a", [1.0, 2.0])),
+        *(({"method": "kalman", "delta": delta}, "delta") for delta in (np.inf, "a")),
+        *(({"leakage": leakage}, "leakage") for leakage in (np.inf, -1.0, "a")),
+        *(({"forgetting": fade}, "forgetting") for fade in (np.nan, np.array([0.9]), "a")),
+        *(({"instants": count}, "instants") for count in ("a", np.inf, np.nan, 1.5, 1j)),
+        ({"method": "kalman", "thinning": "x"}, "thinning"),
+        ({"method": "local", "window": "7"}, "window"),
         ({"u": np.ones(SAMPLES)}, "u"),
         ({"y": np.full(SAMPLES, np.nan)}, "y"),
     ],
@@ -280,6 +291,17 @@ def test_bad_requests_are_refused(change, field):
     with pytest.raises(InputError) as caught:
         track_parameters(PLANT, **options)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"method": "kalman", "thinning": 20.0}, {"method": "local", "window": 100.0}],
+)
+def test_a_count_may_be_a_whole_float(settings):
+    model, u, y, _, _ = unequal_record()
+    track = track_parameters(model, u, y, instants=7.0, **settings)
+    assert track.sizes["instant"] == 7
+    assert track["parameter"].notnull().all()
 
 
 def test_a_setting_of_another_method_names_the_methods_that_have_it():

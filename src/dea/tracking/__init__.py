@@ -3,13 +3,8 @@
 from dea.tracking.free_runs import compare_free_runs
 from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.random_walk import root_mean_square
-from dea.tracking.rls import (
-    RlsState,
-    check_settings,
-    initial_state,
-    recursive_least_squares,
-    update,
-)
+from dea.tracking.rls import RlsState, initial_state, recursive_least_squares, update
+from dea.tracking.setting_checks import check_settings
 from dea.tracking.structure import with_constant
 from dea.tracking.track import METHODS, track_parameters
 

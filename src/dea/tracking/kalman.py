@@ -210,6 +210,9 @@ def _arrays(
     p = Phi.shape[1]
     q = np.array(np.broadcast_to(noise_ratio, p), dtype=float)
     prior = np.array(np.broadcast_to(prior_variance, p), dtype=float)
-    if np.any(q < 0.0) or np.any(prior < 0.0):
-        raise InputError("a variance is negative", field="noise_ratio or prior_variance")
+    variances = np.concatenate([q, prior])
+    if not np.all(np.isfinite(variances) & (variances >= 0.0)):
+        raise InputError(
+            "a variance is negative or not finite", field="noise_ratio or prior_variance"
+        )
     return Phi, y, q, np.array(theta_0, dtype=float), np.diag(prior)

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.errors import InputError
+from dea.tracking.setting_checks import check_settings
 
 Array = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def recursive_least_squares(
     Raises
     ------
     InputError
-        If a setting is outside its range.
+        If a setting is not a finite number, or outside its range.
     """
     check_settings(forgetting, leakage, delta)
     Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
@@ -183,13 +183,6 @@ def _weighted_squares(
     return first, second, third
 
 
-def check_settings(forgetting: float, leakage: float, delta: float) -> None:
-    """Refuse settings of the recursion that are outside their range."""
-    _require(0.0 < forgetting <= 1.0, "forgetting", forgetting, "It lies in (0, 1]")
-    _require(leakage >= 0.0, "leakage", leakage, "It is zero or more")
-    _require(delta > 0.0, "delta", delta, "It is more than zero")
-
-
 def initial_state(theta_0: Array, target: Array, delta: float) -> RlsState:
     """Return the state before the first sample, its arrays new."""
     p = theta_0.size
@@ -201,11 +194,6 @@ def initial_state(theta_0: Array, target: Array, delta: float) -> RlsState:
         np.zeros(2),
         np.empty(p),
     )
-
-
-def _require(holds: bool, field: str, value: float, remedy: str) -> None:
-    if not holds:
-        raise InputError(f"it is {value:g}", field=field, remedy=remedy)
 
 
 @njit(cache=True, error_model="numpy")

@@ -39,6 +39,7 @@ from dea.tracking.local import (
 from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
+from dea.tracking.setting_checks import check_count, check_delta
 from dea.tracking.structure import with_constant
 from dea.tracking.unknown_ratios import mean_common_ratio
 
@@ -225,16 +226,8 @@ def _smoothed(
 ) -> TrackerEstimate:
     """Track by a smoother, of the one-step prediction or of the free run."""
     Phi, target = _equations(model, signals)
-    ratio = settings["noise_ratio"]
-    if ratio is not None and np.shape(ratio) not in ((), (len(model.terms),)):
-        raise InputError(
-            f"its shape is {np.shape(ratio)}",
-            field="noise_ratio",
-            remedy=f"Give one number, or one for each of the {len(model.terms)} terms: "
-            + ", ".join(map(str, model.terms)),
-        )
     walk = RandomWalk(
-        None if ratio is None else np.asarray(ratio, dtype=float),
+        _noise_ratio(settings["noise_ratio"], model),
         prior_variance=1.0 / settings["delta"],
         thinning=settings["thinning"],
     )
@@ -268,6 +261,25 @@ def _smoothed(
         withheld,
         smoothed.noise_ratio,
     )
+
+
+def _noise_ratio(given: ArrayLike | None, model: NarxModel) -> Array | None:
+    """Return the noise ratio, shape () or (terms,), where one is given."""
+    if given is None:
+        return None
+    ratio = store.real_numbers(given, "noise_ratio")
+    if ratio.shape not in ((), (len(model.terms),)):
+        raise InputError(
+            f"its shape is {ratio.shape}",
+            field="noise_ratio",
+            remedy=f"Give one number, or one for each of the {len(model.terms)} terms: "
+            + ", ".join(map(str, model.terms)),
+        )
+    if not np.all(np.isfinite(ratio) & (ratio >= 0.0)):
+        raise InputError(
+            f"it is {ratio}", field="noise_ratio", remedy="Give finite numbers, zero or more"
+        )
+    return ratio
 
 
 def _undetermined(model: NarxModel, signals: NormalisedSignals) -> str:
@@ -334,12 +346,12 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
                 remedy=f"Leave it out, or take method={' or '.join(map(repr, others))}",
             )
     chosen = known | {name: given[name] for name in known if given[name] is not None}
-    if not chosen.get("delta", 1.0) > 0.0:
-        raise InputError(f"it is {chosen['delta']}", field="delta", remedy="It is more than zero")
+    if "delta" in chosen:
+        check_delta(chosen["delta"])
     for name in ("thinning", "instants", "window"):
-        value = chosen.get(name)
-        if value is not None and (value != int(value) or value < 1):
-            raise InputError(f"it is {value}", field=name, remedy="It is a whole number, 1 or more")
+        if chosen.get(name) is not None:
+            check_count(name, chosen[name])
+            chosen[name] = int(chosen[name])
     return chosen
 
 
