@@ -95,3 +95,54 @@ def test_a_forecast_knows_nothing_of_what_follows_its_origin(record):
         last = found.sel(forecaster="last value").item()
         assert last == pytest.approx(rmse(np.full(2, y[589]), measured[600:602]))
     assert found.sel(forecaster="narx").item() == pytest.approx(5.0, abs=0.6)
+
+
+def test_an_outage_as_long_as_the_window_ends_one_forecast_alone(record):
+    model, u, y = record
+    plan = ForecastPlan(**vars(PLAN) | {"window": 10.0})
+    gone = y.copy()
+    gone[460:600] = np.nan
+    gone[800:810] = np.nan
+    structures = {"narx": model, **baselines(model)}
+    whole, gappy = (forecast_errors(structures, u, each, 10.0, plan) for each in (y, gone))
+    error = gappy["error"]
+    assert error.sel(origin=60.0).isnull().all()
+    assert error.sel(origin=80.0, horizon=1.0).isnull().all()
+    np.testing.assert_array_equal(error.sel(origin=40.0), whole["error"].sel(origin=40.0))
+    np.testing.assert_allclose(
+        gappy["rmse"].sel(horizon=5.0),
+        np.sqrt((error.sel(horizon=5.0, origin=[40.0, 80.0]) ** 2).mean("origin")),
+    )
+
+
+def test_all_forecasters_are_compared_on_the_same_origins(record):
+    """Before the second origin there are enough outputs for the smaller structure alone."""
+    model, u, y = record
+    large = NarxModel.from_terms(PLANT | {"y(t-60)": 0.0})
+    gone = y.copy()
+    gone[460:500] = np.nan
+    gone[550:560] = np.nan
+    alone = forecast_errors({"narx": model}, u, gone, 10.0, PLAN)["error"]
+    assert alone.sel(origin=60.0).notnull().all()
+    both = forecast_errors({"narx": model, "large": large}, u, gone, 10.0, PLAN)
+    assert both["error"].sel(origin=60.0).isnull().all()
+    left = both["error"].sel(origin=[40.0, 80.0])
+    assert left.notnull().all()
+    np.testing.assert_allclose(both["rmse"], np.sqrt((left**2).mean("origin")))
+
+
+def test_a_horizon_without_outputs_after_any_origin_has_no_error(record):
+    model, u, y = record
+    plan = ForecastPlan(**vars(PLAN) | {"every": 100.0})
+    gone = y.copy()
+    gone[400:410] = np.nan
+    rmse_of = forecast_errors({"narx": model}, u, gone, 10.0, plan)["rmse"]
+    assert rmse_of.sel(horizon=1.0).isnull().all()
+    assert rmse_of.sel(horizon=5.0).notnull().all()
+
+
+def test_a_record_without_enough_outputs_before_any_origin_is_refused(record):
+    model, u, y = record
+    gone = np.where(np.arange(y.size) % 4 == 3, np.nan, y)
+    with pytest.raises(InputError, match="y: no window of 30 s"):
+        forecast_errors({"narx": model}, u, gone, 10.0, PLAN)

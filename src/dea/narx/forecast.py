@@ -1,6 +1,6 @@
 """How far model structures forecast, with parameters that follow the past alone."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
 
@@ -74,12 +74,15 @@ def forecast_errors(
     Dataset
         ``error(forecaster, horizon, origin)``, root mean square over the horizon, and
         ``rmse(forecaster, horizon)``, over all origins, in output units; infinite where a run
-        diverges.
+        diverges. The errors of an origin are NaN for every forecaster, and enter no ``rmse``, where
+        too many outputs are missing to estimate one of the structures before it, or where the
+        horizon holds no output.
 
     Raises
     ------
     InputError
-        If the record is too short for a window, or a horizon holds no sample.
+        If the record is too short for a window, a horizon holds no sample, or no origin has enough
+        outputs before it.
     """
     inputs, recorded = as_record(u, y, missing=True)
     seen = np.isfinite(recorded)
@@ -97,16 +100,32 @@ def forecast_errors(
             field="forecast",
             remedy="Give ascending horizons of a sample or more, and start after the window.",
         )
-    errors = np.empty((len(models) + 1, len(reaches), origins.size))
+    structures = [_with_constant(model) for model in models.values()]
+    windows = {
+        column: parts
+        for column, origin in enumerate(origins)
+        if (parts := _known(structures, seen, slice(origin - window, origin))) is not None
+    }
+    if not windows:
+        raise InputError(
+            f"no window of {plan.window:g} s before a forecast holds as many good samples in a row"
+            " as lags and terms need",
+            field="y",
+            remedy="Record it again, plan longer windows, or take a model of smaller lags.",
+        )
+    errors = np.full((len(models) + 1, len(reaches), origins.size), np.nan)
     # What is missing before an origin is not to be interpolated from what follows it.
-    pasts = [filled(recorded[:origin])[0] for origin in origins]
-    for row, model in enumerate(models.values()):
-        for column, forecast in enumerate(_forecasts(model, inputs, pasts, seen, origins,
-                                                     window, max(reaches))):  # fmt: skip
+    pasts = [filled(recorded[: origins[column]])[0] for column in windows]
+    for row, structure in enumerate(structures):
+        parts = [each[row] for each in windows.values()]
+        forecasts = _forecasts(structure, inputs, pasts, parts, max(reaches))
+        for column, forecast in zip(windows, forecasts, strict=True):
             errors[row, :, column] = _errors(forecast, recorded[origins[column] :], reaches)
-    for column, origin in enumerate(origins):
-        held = np.full(max(reaches), pasts[column][-1])
-        errors[-1, :, column] = _errors(held, recorded[origin:], reaches)
+    for column, past in zip(windows, pasts, strict=True):
+        held = np.full(max(reaches), past[-1])
+        errors[-1, :, column] = _errors(held, recorded[past.size :], reaches)
+    with np.errstate(invalid="ignore"):  # a horizon that holds no output at any origin
+        mean_squares = np.nansum(errors**2, axis=-1) / np.sum(~np.isnan(errors), axis=-1)
     return xr.Dataset(
         {
             "error": (
@@ -116,7 +135,7 @@ def forecast_errors(
             ),
             "rmse": (
                 ("forecaster", "horizon"),
-                np.sqrt(np.nanmean(errors**2, axis=-1)),
+                np.sqrt(mean_squares),
                 {"units": y_units, "long_name": "root mean square error of all forecasts"},
             ),
         },
@@ -140,31 +159,38 @@ def forecast_errors(
     )
 
 
-def _forecasts(
-    model: NarxModel,
-    u: Array,
-    pasts: Sequence[Array],
-    seen: NDArray[np.bool_],
-    origins: NDArray[np.int64],
-    window: int,
-    reach: int,
-) -> list[Array]:
-    """Return the free run of ``reach`` samples from each origin, in physical units.
-
-    ``pasts`` are the outputs (origin,) before each.
-    """
+def _with_constant(model: NarxModel) -> NarxModel:
+    """Return the structure to fit, with a constant and all parameters zero."""
     terms = model.terms if Term() in model.terms else (Term(), *model.terms)
-    fitted = NarxModel(terms, np.zeros(len(terms)), model.scaling)
+    return NarxModel(terms, np.zeros(len(terms)), model.scaling)
+
+
+def _known(
+    structures: Sequence[NarxModel], seen: NDArray[np.bool_], window: slice
+) -> list[list[slice]] | None:
+    """Return what each structure is estimated from in a window; None where one has too little.
+
+    All forecasters are compared on the same origins.
+    """
+    try:
+        return [stretches(seen, window, each.max_lag, len(each.terms)) for each in structures]
+    except InputError:
+        return None
+
+
+def _forecasts(
+    fitted: NarxModel, u: Array, pasts: Sequence[Array], parts: Sequence[list[slice]], reach: int
+) -> Iterator[Array]:
+    """Yield the free run of ``reach`` samples from each origin, in physical units.
+
+    ``pasts`` are the outputs (origin,) before each, ``parts`` what of them is estimated from.
+    """
     lag = fitted.max_lag
-    runs = []
-    for origin, y in zip(origins, pasts, strict=True):
-        [past] = normalised([(u[:origin], y)], model.scaling)
-        good = stretches(seen, slice(origin - window, origin), lag, len(terms))
-        segments = [(past[0][part], past[1][part]) for part in good]
-        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, past, segments))
-        ahead = slice(origin - lag, origin + reach)
-        runs.append(fitted.simulate(u[ahead], y[y.size - lag :])[lag:])
-    return runs
+    for y, good in zip(pasts, parts, strict=True):
+        [past] = normalised([(u[: y.size], y)], fitted.scaling)
+        window = [(past[0][part], past[1][part]) for part in good]
+        fitted = fitted.with_parameters(_estimate(fitted.terms, fitted.parameters, past, window))
+        yield fitted.simulate(u[y.size - lag : y.size + reach], y[y.size - lag :])[lag:]
 
 
 def _estimate(
