@@ -108,16 +108,21 @@ def test_triangles_climb_at_three_rates():
         ({"bnad": 1.0}, "bnad"),
         ({"low": 4.0}, "low"),
         ({"low": float("nan")}, "low"),
+        ({"high": "2"}, "low"),
         ({"duration": 0.01}, "duration"),
         ({"duration": float("nan")}, "duration"),
         ({"band": 30.0}, "band"),
         ({"band": 0.0}, "band"),
+        ({"band": "1"}, "band"),
+        ({"band": [1.0]}, "band"),
+        ({"band": float("inf")}, "band"),
         ({"kind": "multisine", "period": 1e4}, "period"),
         ({"kind": "multisine", "band": 0.01}, "band"),
         ({"kind": "bursts", "active": 0.0}, "active"),
         ({"kind": "staircase", "hold": 0.0}, "hold"),
         ({"kind": "staircase", "levels": 0}, "levels"),
         ({"kind": "staircase", "levels": 10**9}, "levels"),
+        ({"kind": "staircase", "levels": 2.5}, "levels"),
         ({"kind": "staircase", "rise": 1e7}, "rise"),
         ({"kind": "binary", "band": 1e-300}, "band"),
         ({"kind": "binary", "band": 1e-9}, "band"),
@@ -142,6 +147,26 @@ def test_what_lasts_longer_than_the_sequence_lasts_as_long(kind, long):
     whole = STUDY["duration"] + 1.0
     shorter = {name: min(seconds, whole) for name, seconds in long.items()}
     np.testing.assert_array_equal(design(kind, **STUDY, **long), design(kind, **STUDY, **shorter))
+
+
+def test_levels_may_be_a_whole_float():
+    counts = (design("staircase", **STUDY, levels=levels) for levels in (3, 3.0))
+    np.testing.assert_array_equal(*counts)
+
+
+def test_a_staircase_takes_no_more_room_than_its_samples():
+    """All of the hundred thousand levels, held for that long, would take a terabyte."""
+    long = STUDY | {"duration": 2e4}
+    signal = design("staircase", **long, levels=100_000, hold=2e4, rest=1.0)
+    assert signal.size == 1_000_000
+    assert np.unique(signal[100:]).size == 1
+
+
+@pytest.mark.parametrize("field", ["rest", "rise"])
+def test_a_time_may_be_zero_and_is_refused_below(field):
+    assert design("staircase", **STUDY, **{field: 0.0}).size == 30_000
+    with pytest.raises(InputError, match="is negative, or not a finite number"):
+        design("staircase", **STUDY, **{field: -1.0})
 
 
 @pytest.mark.parametrize("width", [1, 2, 5, 8])

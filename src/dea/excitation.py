@@ -5,6 +5,8 @@ Every design is a pure function of its settings and seed and stays within [low, 
 
 import inspect
 from collections.abc import Callable
+from math import isfinite
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,15 +107,21 @@ def staircase(
     A Hann window of ``rise`` seconds smooths the steps. Creep recovers in the rests, drift does
     not. Every level occurs once before any occurs again.
     """
-    _require(1 <= levels <= span.samples, "levels", f"is not between 1 and {span.samples}")
+    _require(
+        1 <= levels <= span.samples and levels % 1 == 0,
+        "levels",
+        f"is not a whole number between 1 and {span.samples}",
+    )
     _require(rise <= span.duration, "rise", f"is longer than the {span.duration:g} s of all")
     held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
-    rounds = -(-span.samples // (levels * (held + rested)))
-    ladder = np.linspace(span.low, span.high, levels + 1)[1:]
-    heights = np.concatenate([span.rng.permutation(ladder) for _ in range(rounds)])
-    steps = np.concatenate([[span.low] * rested + [height] * held for height in heights])
-    return _smooth(steps, rise * span.sampling_rate)[: span.samples]
+    count = -(-span.samples // (held + rested))
+    ladder = np.linspace(span.low, span.high, int(levels) + 1)[1:]
+    rounds = [span.rng.permutation(ladder) for _ in range(-(-count // ladder.size))]
+    heights = np.concatenate(rounds)[:count]
+    pairs = np.column_stack([np.full(count, span.low), heights]).ravel()
+    steps = np.repeat(pairs, np.resize([rested, held], pairs.size))[: span.samples]
+    return _smooth(steps, rise * span.sampling_rate)
 
 
 def binary(span: Span, *, band: float = 1.0) -> Signal:
@@ -209,8 +217,8 @@ def design(
             )
     numbers = {"duration": duration, "sampling_rate": sampling_rate, **settings}
     for name, value in numbers.items():
-        _require(np.isfinite(value) and value >= 0.0, name, "is not a positive number")
-    _require(np.isfinite([low, high]).all() and low < high, "low", f"{low} is not below {high}")
+        _require(_finite(value) and value >= 0.0, name, "is negative, or not a finite number")
+    _require(_finite(low) and _finite(high) and low < high, "low", f"{low} is not below {high}")
     samples = round(duration * sampling_rate)
     _require(samples >= 2, "duration", "holds fewer than two samples")
     _require(samples <= MOST, "duration", f"holds more than {MOST:g} samples")
@@ -230,6 +238,10 @@ def _smooth(steps: Signal, width: float) -> Signal:
     window = np.hanning(max(round(width), 1) + 2)[1:-1]
     padded = np.concatenate([np.full(window.size - 1, steps[0]), steps])
     return np.convolve(padded, window / window.sum(), mode="valid")
+
+
+def _finite(value: Any) -> bool:
+    return isinstance(value, Real) and isfinite(value)
 
 
 def _require(good: Any, field: str, problem: str) -> None:
