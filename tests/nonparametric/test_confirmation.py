@@ -15,6 +15,7 @@ from dea.nonparametric import (
     best_linear_approximation,
     compare_response,
     confirmation,
+    estimates,
     intermodulation,
     periods_of,
 )
@@ -159,7 +160,11 @@ def test_a_drift_that_is_no_order_is_refused(record, drift):
 
 
 def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
-    measured = best_linear_approximation(record, drift=1)
+    made = estimates(record, drift=1)
+    measured = made.dataset
+    xr.testing.assert_identical(measured, best_linear_approximation(record, drift=1))
+    for each, same in zip(made.found, found, strict=True):
+        np.testing.assert_array_equal(each.response, same.response)
     assert measured.sizes["stretch"] == 2
     np.testing.assert_allclose(measured["frequency"], found[0].lines / 10.0)
     response = measured["response"].values[..., 0] + 1j * measured["response"].values[..., 1]

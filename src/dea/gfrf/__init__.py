@@ -6,6 +6,7 @@ from dea.gfrf.linear_part import LinearPart, linear_part
 from dea.gfrf.over_time import Grid, response_over_time
 from dea.gfrf.recovery import score_recovery
 from dea.gfrf.response import frequency_response, zero_input_response
+from dea.gfrf.stretches import modelled_stretches
 
 __all__ = [
     "Grid",
@@ -15,6 +16,7 @@ __all__ = [
     "frequency_response",
     "frequency_response_band",
     "linear_part",
+    "modelled_stretches",
     "response_over_time",
     "score_recovery",
     "zero_input_interval",

@@ -10,11 +10,12 @@ from dea.nonparametric.best_linear import BestLinear, best_linear
 from dea.nonparametric.confirmation import Modelled, confirmation
 from dea.nonparametric.intermodulation import Intermodulation, intermodulation
 from dea.nonparametric.periods import Periods, periods_of
-from dea.nonparametric.probed_record import best_linear_approximation
+from dea.nonparametric.probed_record import Estimates, best_linear_approximation, estimates
 
 __all__ = [
     "Agreement",
     "BestLinear",
+    "Estimates",
     "Intermodulation",
     "Modelled",
     "Periods",
@@ -24,6 +25,7 @@ __all__ = [
     "compare_intermodulation",
     "compare_response",
     "confirmation",
+    "estimates",
     "intermodulation",
     "periods_of",
 ]

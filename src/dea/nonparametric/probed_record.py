@@ -2,15 +2,28 @@
 
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
 from dea.nonparametric.best_linear import BestLinear, best_linear
-from dea.nonparametric.periods import periods_of
+from dea.nonparametric.periods import Periods, periods_of
 from dea.store import read_record, signals
 from dea.units import ratio
+
+
+class Estimates(NamedTuple):
+    """The best linear approximation in each probing stretch of a record.
+
+    ``stretches`` are the periods and ``found`` the estimates from them, one each; ``dataset`` is
+    what :func:`best_linear_approximation` returns.
+    """
+
+    stretches: list[Periods]
+    found: list[BestLinear]
+    dataset: xr.Dataset
 
 
 def best_linear_approximation(
@@ -53,6 +66,16 @@ def best_linear_approximation(
         realisations hold fewer than two whole periods or samples that are missing, or ``drift`` is
         not an order.
     """
+    return estimates(record, period=period, drift=drift).dataset
+
+
+def estimates(
+    record: xr.Dataset | str | Path, *, period: float | None = None, drift: int = 3
+) -> Estimates:
+    """Return what :func:`best_linear_approximation` does, with the estimates it is made from.
+
+    Parameters and errors are the same.
+    """
     if not isinstance(record, xr.Dataset | str | PathLike):
         raise InputError(
             f"it is a {type(record).__name__}, which does not number stretches and realisations",
@@ -77,12 +100,9 @@ def best_linear_approximation(
             field="probing",
             remedy="Take a record with one multisine design.",
         )
-    return labelled(
-        found,
-        np.array([stretch.time for stretch in stretches]),
-        float(length),
-        (u_units, units.y_units),
-    )
+    times = np.array([stretch.time for stretch in stretches])
+    dataset = labelled(found, times, float(length), (u_units, units.y_units))
+    return Estimates(stretches, found, dataset)
 
 
 _Labelled = tuple[tuple[str, ...], np.ndarray, dict[str, str]]

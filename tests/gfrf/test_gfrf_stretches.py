@@ -1,0 +1,64 @@
+"""Responses of a tracked model at the times of probing stretches."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea.gfrf import frequency_response, modelled_stretches
+from dea.narx import NarxModel
+from dea.nonparametric import Periods
+
+MODEL = NarxModel.from_terms({"1": 0.0, "y(t-1)": 0.5, "u(t-1)": 0.4, "u(t-1)^2": 0.1})
+STRETCHES = [
+    Periods(np.full((2, 2, 10), level), np.zeros((2, 2, 10)), time)
+    for level, time in ((0.2, 5.0), (0.6, 95.0))
+]
+LINES = np.array([0.1, 0.2])
+LACKING = xr.Dataset(
+    {
+        "model_error_gain": ("frequency", [0.3, 0.3]),
+        "model_error_phase": ("frequency", [10.0, 10.0]),
+    },
+    coords={"frequency": [0.0, 1.0]},
+)
+
+
+def track(withheld: str) -> xr.Dataset:
+    """A track whose gain grows in the middle, with its covariance or the reason to withhold it."""
+    theta = np.tile(MODEL.parameters, (101, 1))
+    theta[50:, 2] *= 1.5
+    covariance = np.tile(1e-4 * np.eye(4), (3, 1, 1))
+    return xr.Dataset(
+        {
+            "parameter": (("time", "term"), theta),
+            "covariance": (("instant", "term", "term_2"), covariance * (np.nan if withheld else 1)),
+            "withheld": withheld,
+        },
+        coords={"time": np.arange(101.0), "instant": [0.0, 50.0, 100.0]},
+    )
+
+
+@pytest.mark.parametrize("withheld", ["", "too few windows"])
+def test_the_response_is_that_of_the_time_and_mean_input_of_the_stretch(withheld):
+    followed = track(withheld)
+    found = modelled_stretches(MODEL, followed, LACKING, STRETCHES, LINES, 1.0)
+    for each, level, row in zip(found, (0.2, 0.6), (0, 100), strict=True):
+        settings = {"parameters": followed["parameter"].values[row], "operating_point": level}
+        pairs = np.array([-0.2, -0.1, 0.1, 0.2])
+        H1 = frequency_response(MODEL, 1, LINES, 1.0, **settings)
+        H2 = frequency_response(MODEL, 2, (pairs[:, None], pairs[None, :]), 1.0, **settings)
+        np.testing.assert_allclose(each.H1, H1)
+        np.testing.assert_allclose(each.H2, H2)
+
+
+def test_a_band_that_is_withheld_leaves_what_the_structure_lacks():
+    [bare, _] = modelled_stretches(MODEL, track("too few"), LACKING, STRETCHES, LINES, 1.0)
+    [wide, _] = modelled_stretches(MODEL, track(""), LACKING, STRETCHES, LINES, 1.0)
+    exact = LACKING * 0.0
+    [none, _] = modelled_stretches(MODEL, track("too few"), exact, STRETCHES, LINES, 1.0)
+    np.testing.assert_allclose(none.band.gain, 0.0, atol=1e-12)
+    np.testing.assert_allclose(bare.H2_band.gain, 0.0, atol=1e-12)
+    assert (bare.band.gain > 0.3).all()
+    assert (bare.band.phase > np.radians(10.0)).all()
+    assert (wide.band.gain > bare.band.gain).all()
+    assert (wide.H2_band.gain > 0.0).all()
