@@ -14,14 +14,13 @@ import numpy as np
 from dea.narx.candidate_kernels import Candidates, EstimationData, estimate_and_simulate
 from dea.narx.checks import Array
 from dea.narx.kernels import NONE
+from dea.narx.limits import DIVERGED
 from dea.narx.regressors import regressor_matrix
 from dea.narx.simulation import structure
 from dea.terms import Term, max_lag
 
 Subset = tuple[int, ...]
 Segment = tuple[Array, Array]
-
-_DIVERGED = 100.0  # times the largest measured output
 
 
 class CandidateModel(NamedTuple):
@@ -74,7 +73,7 @@ class CandidateModels:
         products[:, first:] = regressor_matrix(terms, u, y, first).T
         self.triangle: Array = np.ascontiguousarray(triangle.T)
         self._data = EstimationData(self.triangle, products, y, ends)
-        self._bound = _DIVERGED * float(np.abs(y).max())
+        self._bound = DIVERGED * float(np.abs(y).max())
         self._known: dict[Subset, CandidateModel] = {}
 
     def __call__(self, subsets: Iterable[Subset]) -> list[CandidateModel]:

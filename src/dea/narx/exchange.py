@@ -24,7 +24,7 @@ from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.refinement import LinearisedRuns, linearise, minimise
-from dea.narx.stability import StabilityTest, stays_in_range
+from dea.narx.stability import StabilityTest, stays_in_range_reversed
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
 
@@ -177,7 +177,7 @@ class Exchange:
         """Return the fit, its error infinite where it is not stable."""
         terms = self._terms(subset)
         stable = all(
-            stays_in_range(terms, parameters, system.segments)
+            stays_in_range_reversed(terms, parameters, system.segments)
             for system, parameters in zip(self._systems, fit.parameters, strict=True)
         ) and all(
             test.passes(terms, parameters)

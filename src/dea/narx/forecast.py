@@ -12,13 +12,12 @@ from dea.errors import InputError
 from dea.missing import filled, stretches
 from dea.narx.checks import Array, as_record
 from dea.narx.estimation import Segment, least_squares, normalised
+from dea.narx.limits import stays_in_range
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, squared_error
-from dea.narx.simulation import simulate
 from dea.terms import Term
 
 LAST_VALUE = "last value"
-_LEEWAY = 3.0  # times the largest measured output, normalised, that a run over the past may reach
 
 
 @dataclass(frozen=True)
@@ -208,15 +207,9 @@ def _estimate(
     found = []
     for candidate in chain(searched, starts):
         found.append(candidate)
-        if _stays_in_range(terms, candidate, past):
+        if stays_in_range(terms, candidate, *past):
             return candidate
     return found[0]
-
-
-def _stays_in_range(terms: tuple[Term, ...], theta: Array, past: Segment) -> bool:
-    u, y = past
-    run = simulate(terms, theta, u, y, bound=_LEEWAY * float(np.abs(y).max()))
-    return bool(np.isfinite(run[-1]))
 
 
 def _errors(forecast: Array, measured: Array, reaches: Sequence[int]) -> list[float]:

@@ -22,6 +22,7 @@ from dea.narx.estimation import (
 )
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.labels import unpacked
+from dea.narx.limits import DIVERGED
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import (
     DEPENDENT,
@@ -37,7 +38,6 @@ from dea.terms import Term
 
 _SMOOTHED = 9  # samples over which outputs are smoothed for a second start
 _ENDS = 2.0  # standard deviations either way, within which a run should be linear
-_DIVERGED = 100.0  # times the largest measured output
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
@@ -478,4 +478,4 @@ class _Segments:
 
 def _bound(segments: Sequence[Segment]) -> float:
     """Return the output beyond which a run diverges; one segment may be at rest throughout."""
-    return _DIVERGED * max(float(np.abs(y).max()) for _, y in segments)
+    return DIVERGED * max(float(np.abs(y).max()) for _, y in segments)

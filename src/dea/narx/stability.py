@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from dea.inputs import by_input
 from dea.narx.checks import Array
+from dea.narx.limits import DIVERGED, LEEWAY, stays_in_range
 from dea.narx.rest import Rests, rests_over
 from dea.narx.scaling import Scaling
-from dea.narx.simulation import bounded, simulate
+from dea.narx.simulation import bounded
 from dea.narx.surrogates import phase_randomised, same_class
 from dea.terms import Term
 
 Bools: TypeAlias = NDArray[np.bool_]
-LEEWAY = 3.0  # times the largest measured output that a run on inputs of the class may reach
-DIVERGED = 100.0  # times the same, beyond which a hold has diverged
 SLOWEST = 0.2  # share of the record that a pole's time constant may last
 _LEVELS, _HOLDS, _RUNS, _SURROGATES = 41, 20, 100, 20
 _DIAGONALS = 8  # along which several inputs are varied together, at most
@@ -217,7 +216,7 @@ class StabilityTest:
         )
 
 
-def stays_in_range(
+def stays_in_range_reversed(
     terms: tuple[Term, ...], parameters: Array, segments: Sequence[tuple[Array, Array]]
 ) -> bool:
     """Whether the model stays in range on the time-reversed inputs of the records.
@@ -225,12 +224,7 @@ def stays_in_range(
     These have the same amplitudes and spectrum, so that a model that leaves the range by far on
     them is bounded on these records only. It is fast enough for every candidate of a search.
     """
-    return all(
-        np.isfinite(
-            simulate(terms, parameters, u[::-1], y[::-1], bound=LEEWAY * float(np.abs(y).max()))[-1]
-        )
-        for u, y in segments
-    )
+    return all(stays_in_range(terms, parameters, u[::-1], y[::-1]) for u, y in segments)
 
 
 def _lines(u: Array, count: int) -> list[Array]:
