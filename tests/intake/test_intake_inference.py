@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.discrepancy import records
 from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
-from dea.intake.settings import WARM_UP, infer_settings
+from dea.intake.settings import infer_settings
 from dea.store import Record
+from dea.warm_up import LONGEST_WARM_UP
 
 
 def excitation(size, pole):
@@ -104,5 +104,4 @@ def test_a_diagnosis_can_split_the_record_at_the_slowest_time(pole):
     assert slowest == pytest.approx(min(-0.02 / np.log(pole), 600 / 50.0 / 10), rel=0.1)
     assert split(record.u, 0.02, slowest, warm_up).certify.any()
     # What the diagnosis would shorten is not promised.
-    assert WARM_UP == records.WARM_UP
-    assert warm_up == pytest.approx(WARM_UP * 600 / 50.0)
+    assert warm_up == pytest.approx(LONGEST_WARM_UP * 600 / 50.0)

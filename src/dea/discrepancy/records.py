@@ -14,6 +14,7 @@ from dea.discrepancy.settings import Settings
 from dea.errors import InputError
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation, Simulation, prepared, samples_of_each, slowest_time
+from dea.warm_up import LONGEST_WARM_UP
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 # Factor by which the integration steps of the simulation alone may be shortened for an effect; a
 # law with corners would be shortened without end.
 _SHORTER = 4
-# Part of a record that its warm-up takes at most.
-WARM_UP = 0.02
 # Part of the output's deviation that noise is taken for at least: a fit needs some.
 _LEAST = 1e-6
 # Part by which the sampling intervals of two records may differ.
@@ -129,7 +128,7 @@ def prepare(
             each.u,
             interval,
             slowest,
-            min(settings.warm_up, WARM_UP * each.size * interval),
+            min(settings.warm_up, LONGEST_WARM_UP * each.size * interval),
             ~np.isnan(each.y),
         )
         for each in records

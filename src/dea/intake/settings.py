@@ -14,6 +14,7 @@ from dea.intake.bandwidth import band
 from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, written
 from dea.missing import filled, runs
 from dea.store import Record
+from dea.warm_up import LONGEST_WARM_UP
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,6 @@ _WINDOWS = 3
 _RESAMPLES = 10
 _RESPONSES = 120  # times at which responses are taken, at most
 _SLOWEST_TIMES = 10  # slowest time constants in a record, without which a diagnosis cannot split it
-WARM_UP = 0.02  # of a record, that a diagnosis leaves out at its start at most
 _SETTLINGS = 20  # settling times in a window of the local tracker
 
 
@@ -113,7 +113,7 @@ def infer_settings(signals: Record) -> CaseSettings:
         "gfrf": _responses(low, max(high, band(outputs, rate)[1]), rate, y.size),
         "split": {
             "slowest_time": float(f"{min(linear.slowest / rate, time / _SLOWEST_TIMES):.3g}"),
-            "warm_up": float(f"{min(linear.settling / rate, WARM_UP * time):.3g}"),
+            "warm_up": float(f"{min(linear.settling / rate, LONGEST_WARM_UP * time):.3g}"),
         },
     }
     inferred = (
