@@ -17,6 +17,7 @@ from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
 from dea.narx import NarxModel, as_input, input_of
+from dea.store import variable
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
@@ -118,7 +119,6 @@ def response_over_time(
     ]
     numbers = range(1, model.inputs + 1)
     pairs = list(combinations_with_replacement(numbers, 2))
-    hertz = {"units": "Hz"}
     return xr.Dataset(
         _together(
             "input",
@@ -144,12 +144,12 @@ def response_over_time(
         coords=_of_inputs(model, pairs)
         | {
             "time": ("time", rows.time[at], track["instant"].attrs),
-            "frequency": ("frequency", f, hertz | {"long_name": "frequency"}),
+            "frequency": variable("frequency", f, "Hz", "frequency"),
             "time_h2": ("time_h2", rows.time[at_plane], track["instant"].attrs),
-            "frequency_1": ("frequency_1", plane, hertz | {"long_name": "first frequency"}),
-            "frequency_2": ("frequency_2", plane, hertz | {"long_name": "second frequency"}),
-            "frequency_3": ((), f3, hertz | {"long_name": "third frequency of H3"}),
-            "part": ("part", ["real", "imag"], {"units": "1", "long_name": "part"}),
+            "frequency_1": variable("frequency_1", plane, "Hz", "first frequency"),
+            "frequency_2": variable("frequency_2", plane, "Hz", "second frequency"),
+            "frequency_3": variable((), f3, "Hz", "third frequency of H3"),
+            "part": variable("part", ["real", "imag"], "1", "part"),
         },
         attrs={name: track.attrs[name] for name in ("estimator", "withheld")},
     )
@@ -264,15 +264,11 @@ def _lacking(error: ModelErrorModel | None, f: Array, number: int) -> dict[str, 
     gain, phase = np.full((2, f.size), np.nan) if error is None else error.at(f, number)
     label = "standard deviation of the {} of H1 by what the structure lacks"
     return {
-        "model_error_gain": (
-            ("frequency",), gain, {"units": "1", "long_name": label.format("relative gain")}
+        "model_error_gain": variable(("frequency",), gain, "1", label.format("relative gain")),
+        "model_error_phase": variable(
+            ("frequency",), np.degrees(phase), "degree", label.format("phase")
         ),
-        "model_error_phase": (
-            ("frequency",),
-            np.degrees(phase),
-            {"units": "degree", "long_name": label.format("phase")},
-        ),
-    }  # fmt: skip
+    }
 
 
 def _each_input(model: NarxModel, u: ArrayLike) -> Array:
@@ -294,10 +290,7 @@ def _of_inputs(model: NarxModel, pairs: Sequence[tuple[int, int]]) -> dict[str, 
     names = [name for name, _ in model.named_inputs]
     words = {"input": names, "pair": [f"{names[i - 1]} × {names[j - 1]}" for i, j in pairs]}
     labels = {"input": "input", "pair": "inputs of the first and the second frequency"}
-    return {
-        name: (name, values, {"units": "1", "long_name": labels[name]})
-        for name, values in words.items()
-    }
+    return {name: variable(name, values, "1", labels[name]) for name, values in words.items()}
 
 
 def _together(dimension: str, parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -329,22 +322,21 @@ class _Spectrum:
                 self._density,
                 {"long_name": "power spectral density of the excitation"},
             ),
-            "excited": (
+            "excited": variable(
                 ("frequency",),
                 self._excited.astype(np.int8),
-                {"units": "1", "long_name": "1 where the excitation holds power"},
+                "1",
+                "1 where the excitation holds power",
             ),
         }
 
     def of_pair(self, other: "_Spectrum") -> dict[str, Any]:
         """Return the excited pairs of frequencies, the second in the ``other`` input."""
         return {
-            "excited_h2": (
+            "excited_h2": variable(
                 ("frequency_1", "frequency_2"),
                 (self._on_plane[:, None] & other._on_plane).astype(np.int8),
-                {
-                    "units": "1",
-                    "long_name": "1 where the input holds power at both frequencies",
-                },
+                "1",
+                "1 where the input holds power at both frequencies",
             ),
         }

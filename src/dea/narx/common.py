@@ -9,6 +9,7 @@ from dea.missing import filled
 from dea.narx.checks import Array
 from dea.narx.metrics import nmse
 from dea.narx.model import NarxModel
+from dea.store import variable
 
 
 def compare_structures(
@@ -58,11 +59,11 @@ def compare_structures(
     }
     return xr.Dataset(
         {
-            name: (dims, np.array(values), {"units": "1", "long_name": label})
+            name: variable(dims, np.array(values), "1", label)
             for name, (dims, values, label) in variables.items()
         },
         coords={
-            name: (name, values, {"units": "1", "long_name": name})
+            name: variable(name, values, "1", name)
             for name, values in (
                 ("system", list(common)),
                 ("term", [str(term) for term in models[0].terms]),

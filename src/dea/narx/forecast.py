@@ -15,6 +15,7 @@ from dea.narx.estimation import Segment, least_squares, normalised
 from dea.narx.limits import stays_in_range
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, squared_error
+from dea.store import variable
 from dea.terms import Term
 
 LAST_VALUE = "last value"
@@ -125,35 +126,18 @@ def forecast_errors(
         errors[-1, :, column] = _errors(held, recorded[past.size :], reaches)
     with np.errstate(invalid="ignore"):  # a horizon that holds no output at any origin
         mean_squares = np.nansum(errors**2, axis=-1) / np.sum(~np.isnan(errors), axis=-1)
+    of_each, of_all = ("forecaster", "horizon", "origin"), ("forecaster", "horizon")
+    names, horizons = [*models, LAST_VALUE], np.asarray(plan.horizons, dtype=float)
+    what, rmse = "root mean square error of", np.sqrt(mean_squares)
     return xr.Dataset(
         {
-            "error": (
-                ("forecaster", "horizon", "origin"),
-                errors,
-                {"units": y_units, "long_name": "root mean square error of a forecast"},
-            ),
-            "rmse": (
-                ("forecaster", "horizon"),
-                np.sqrt(mean_squares),
-                {"units": y_units, "long_name": "root mean square error of all forecasts"},
-            ),
+            "error": variable(of_each, errors, y_units, f"{what} a forecast"),
+            "rmse": variable(of_all, rmse, y_units, f"{what} all forecasts"),
         },
         coords={
-            "forecaster": (
-                "forecaster",
-                [*models, LAST_VALUE],
-                {"units": "1", "long_name": "what forecasts"},
-            ),
-            "horizon": (
-                "horizon",
-                np.asarray(plan.horizons, dtype=float),
-                {"units": "s", "long_name": "length of the forecast"},
-            ),
-            "origin": (
-                "origin",
-                origins / sampling_rate,
-                {"units": "s", "long_name": "beginning of the forecast"},
-            ),
+            "forecaster": variable("forecaster", names, "1", "what forecasts"),
+            "horizon": variable("horizon", horizons, "s", "length of the forecast"),
+            "origin": variable("origin", origins / sampling_rate, "s", "beginning of the forecast"),
         },
     )
 

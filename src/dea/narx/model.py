@@ -295,10 +295,8 @@ class NarxModel:
         u_units, y_units = u_units or known.u_units, y_units or known.y_units
         of_inputs = ", ".join(dict.fromkeys(each_text(u_units)))
         scaling = {
-            name: (
-                ("input",)[: np.ndim(value)],
-                np.asarray(value),
-                {"units": units, "long_name": f"{what} of the {signal}"},
+            name: store.variable(
+                ("input",)[: np.ndim(value)], np.asarray(value), units, f"{what} of the {signal}"
             )
             for (name, value), (signal, what, units) in zip(
                 vars(self.scaling).items(),
@@ -311,17 +309,22 @@ class NarxModel:
             )
         }
         dataset = xr.Dataset(
-            {"parameter": ("term", self.parameters, _plain("parameter of the term")), **scaling},
-            coords={"term": ("term", list(map(str, self.terms)), _plain("term"))},
+            {
+                "parameter": store.variable("term", self.parameters, "1", "parameter of the term"),
+                **scaling,
+            },
+            coords={"term": store.variable("term", list(map(str, self.terms)), "1", "term")},
             attrs={"contract": "model", "equation": str(self), "withheld": self.withheld},
         )
         if known.sampling_rate is not None:
             dataset.attrs |= asdict(known) | {"u_units": u_units, "y_units": y_units}
         if self.covariance is not None:
-            label = _plain("covariance of the parameters")
-            dataset["covariance"] = (("term", "term_2"), self.covariance, label)
-            label = _plain("standard error of the parameter")
-            dataset["standard_error"] = ("term", self.standard_errors, label)
+            dataset["covariance"] = store.variable(
+                ("term", "term_2"), self.covariance, "1", "covariance of the parameters"
+            )
+            dataset["standard_error"] = store.variable(
+                "term", self.standard_errors, "1", "standard error of the parameter"
+            )
         if self.checked is not None:
             report = self.checked.to_dataset(of_inputs, y_units)
             dataset = dataset.merge(report).assign_attrs(report.attrs)
@@ -419,7 +422,3 @@ def _sum(terms: Sequence[Term], parameters: Array) -> str:
 
 def _signed(number: float) -> str:
     return f"{'-' if np.signbit(number) else '+'} {abs(number)!r}"
-
-
-def _plain(name: str) -> dict[str, str]:
-    return {"units": "1", "long_name": name}

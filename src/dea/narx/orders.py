@@ -16,6 +16,7 @@ from dea.narx.estimation import Signals, estimate, listed
 from dea.narx.metrics import fpe, nmse
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
+from dea.store import variable
 from dea.units import power
 
 
@@ -94,8 +95,7 @@ def compare_orders(
             ),
             "terms": (sizes, "1", "number of terms"),
         }
-        dataset[dimension] = (dimension, orders, {"units": "1", "long_name": f"{kind} order"})
+        dataset[dimension] = variable(dimension, orders, "1", f"{kind} order")
         for name, (values, units, label) in columns.items():
-            attributes = {"units": units, "long_name": label}
-            dataset[f"{kind}_{name}"] = (dimension, np.array(values), attributes)
+            dataset[f"{kind}_{name}"] = variable(dimension, np.array(values), units, label)
     return dataset

@@ -17,6 +17,7 @@ from dea.narx.rest import Rests, rests_over
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import bounded
 from dea.narx.surrogates import phase_randomised, same_class
+from dea.store import variable
 from dea.terms import Term
 
 Bools: TypeAlias = NDArray[np.bool_]
@@ -88,29 +89,24 @@ class Stability:
 
     def to_dataset(self, u_units: str, y_units: str) -> xr.Dataset:
         """Return the report as ``model.nc`` holds it, the status as attribute ``stability``."""
-        variables = {
-            "rest_input": (
-                ("level", "input")[: self.inputs.ndim],
-                self.inputs,
-                u_units,
-                "constant input",
-            ),
-            "rest_output": ("level", self.outputs, y_units, "output at rest there"),
-            "rest_pole": ("level", self.poles, "1", "largest modulus of the poles there"),
-            "holds": ("count", self.holds, "1", "holds: bounded runs, and all"),
-            "runs": ("count", self.runs, "1", "random inputs: bounded runs, and all"),
-            "surrogates": (
-                "count",
-                self.surrogates,
-                "1",
-                "phase-randomised inputs: bounded runs, and all",
-            ),
-            "record_samples": ((), self.samples, "1", "samples of the record"),
+        of_inputs = ("level", "input")[: self.inputs.ndim]
+        counts = {
+            "holds": (self.holds, "holds: bounded runs, and all"),
+            "runs": (self.runs, "random inputs: bounded runs, and all"),
+            "surrogates": (self.surrogates, "phase-randomised inputs: bounded runs, and all"),
         }
         return xr.Dataset(
             {
-                name: (dims, np.asarray(values), {"units": units, "long_name": label})
-                for name, (dims, values, units, label) in variables.items()
+                "rest_input": variable(of_inputs, self.inputs, u_units, "constant input"),
+                "rest_output": variable("level", self.outputs, y_units, "output at rest there"),
+                "rest_pole": variable(
+                    "level", self.poles, "1", "largest modulus of the poles there"
+                ),
+                **{
+                    name: variable("count", np.asarray(runs), "1", label)
+                    for name, (runs, label) in counts.items()
+                },
+                "record_samples": variable((), self.samples, "1", "samples of the record"),
             },
             attrs={"stability": self.status},
         )

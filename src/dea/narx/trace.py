@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from dea.store import variable
+
 _LABELS = {
     "phase": "phase of the selection",
     "step": "step within the phase",
@@ -58,11 +60,11 @@ class Trace:
         columns = zip(*self._rows, strict=True) if self._rows else [()] * len(_LABELS)
         dataset = xr.Dataset(
             {
-                f"trial_{name}": ("trial", np.array(column), {"units": "1", "long_name": label})
+                f"trial_{name}": variable("trial", np.array(column), "1", label)
                 for (name, label), column in zip(_LABELS.items(), columns, strict=True)
             }
         )
         if self.threshold is not None:
             label = "share of the output's mean square that a term had to explain"
-            dataset["threshold"] = ((), self.threshold, {"units": "1", "long_name": label})
+            dataset["threshold"] = variable((), self.threshold, "1", label)
         return dataset

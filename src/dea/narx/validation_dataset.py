@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dea.narx.checks import Array
-from dea.store import Text, each_text
+from dea.store import Text, each_text, variable
 from dea.units import power
 
 _RUN = ("model", "approach", "window")
@@ -89,12 +89,6 @@ def validation_dataset(
     along |= {"window": np.arange(len(measured.time))}
     along |= {"test": coordinates["test"], "lag": coordinates["lag"]}
     return xr.Dataset(
-        {
-            name: (dims, values, {"units": unit, "long_name": label})
-            for name, (dims, values, unit, label) in variables.items()
-        },
-        coords={
-            name: (name, values, {"units": "1", "long_name": name})
-            for name, values in along.items()
-        },
+        {name: variable(*each) for name, each in variables.items()},
+        coords={name: variable(name, values, "1", name) for name, values in along.items()},
     )

@@ -15,6 +15,7 @@ from dea.nonparametric.intermodulation import (
     signed,
 )
 from dea.nonparametric.periods import Array
+from dea.store import variable
 
 # Dimensions, values, units and label of each variable.
 Variables: TypeAlias = dict[str, tuple[tuple[str, ...], Array | NDArray[np.int8], str, str]]
@@ -80,14 +81,9 @@ def confirmation(
         **_of_even_lines(found, even, measured["output_level"].attrs["units"]),
         **_of_even_agreements(found, even, modelled, last),
     }
-    result = measured.assign(
-        {
-            name: (dims, values, {"units": unit, "long_name": label})
-            for name, (dims, values, unit, label) in variables.items()
-        }
-    )
-    about = {"units": "Hz", "long_name": "frequency of an even line"}
-    return result.assign_coords(even_frequency=("even_frequency", even[0].lines * step, about))
+    result = measured.assign({name: variable(*each) for name, each in variables.items()})
+    lines = variable("even_frequency", even[0].lines * step, "Hz", "frequency of an even line")
+    return result.assign_coords(even_frequency=lines)
 
 
 def _of_models(modelled: list[Modelled], units: str) -> Variables:

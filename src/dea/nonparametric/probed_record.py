@@ -10,7 +10,7 @@ import xarray as xr
 from dea.errors import InputError
 from dea.nonparametric.best_linear import BestLinear, best_linear
 from dea.nonparametric.periods import Periods, periods_of
-from dea.store import read_record, signals
+from dea.store import Described, read_record, signals, variable
 from dea.units import ratio
 
 
@@ -105,9 +105,6 @@ def estimates(
     return Estimates(stretches, found, dataset)
 
 
-_Labelled = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
-
-
 def labelled(
     found: list[BestLinear], time: np.ndarray, period: float, units: tuple[str, str]
 ) -> xr.Dataset:
@@ -120,25 +117,25 @@ def labelled(
     turn = np.degrees(half / gain)
     detection = first.detection
 
-    def at_lines(values: np.ndarray, unit: str, name: str) -> _Labelled:
-        return ("stretch", "frequency"), values, {"units": unit, "long_name": name}
+    def at_lines(values: np.ndarray, unit: str, name: str) -> Described:
+        return variable(("stretch", "frequency"), values, unit, name)
 
-    def elsewhere(variances: list[np.ndarray], name: str) -> _Labelled:
-        about = {"units": y, "long_name": name}
-        return ("stretch", "detection_frequency"), np.sqrt(np.stack(variances)), about
+    def elsewhere(variances: list[np.ndarray], name: str) -> Described:
+        return variable(("stretch", "detection_frequency"), np.sqrt(np.stack(variances)), y, name)
 
-    def std(variances: list[np.ndarray], name: str) -> _Labelled:
+    def std(variances: list[np.ndarray], name: str) -> Described:
         return at_lines(np.sqrt(np.stack(variances)), gain_units, f"standard deviation {name}")
 
-    def hertz(values: np.ndarray, name: str) -> _Labelled:
-        return (name,), values / period, {"units": "Hz", "long_name": name.replace("_", " ")}
+    def hertz(values: np.ndarray, name: str) -> Described:
+        return variable(name, values / period, "Hz", name.replace("_", " "))
 
     return xr.Dataset(
         {
-            "response": (
+            "response": variable(
                 ("stretch", "frequency", "part"),
                 np.stack([response.real, response.imag], axis=-1),
-                {"units": gain_units, "long_name": "best linear approximation"},
+                gain_units,
+                "best linear approximation",
             ),
             "response_noise": std([each.noise for each in found], "by noise"),
             "response_std": std([each.total for each in found], "by noise and distortion"),
@@ -157,16 +154,17 @@ def labelled(
                 [np.mean(each.output_noise[:, detection], axis=0) for each in found],
                 "standard deviation of that coefficient by noise",
             ),
-            "odd": (
-                ("detection_frequency",),
+            "odd": variable(
+                "detection_frequency",
                 (detection % 2).astype(np.int8),
-                {"units": "1", "long_name": "1 at odd lines, 0 at even ones"},
+                "1",
+                "1 at odd lines, 0 at even ones",
             ),
         },
         coords={
-            "time": (("stretch",), time, {"units": "s", "long_name": "middle of the stretch"}),
+            "time": variable("stretch", time, "s", "middle of the stretch"),
             "frequency": hertz(first.lines, "frequency"),
             "detection_frequency": hertz(detection, "detection_frequency"),
-            "part": (("part",), ["real", "imag"], {"units": "1", "long_name": "part"}),
+            "part": variable("part", ["real", "imag"], "1", "part"),
         },
     )

@@ -168,6 +168,8 @@ def _dataset(
     import numpy as np
     import xarray as xr
 
+    from dea.store import variable
+
     lead = sum(design.task.run_in)
     reference = design.task.reference[lead:]
     size = reference.size
@@ -182,9 +184,6 @@ def _dataset(
             )
     measured = np.array(rows["displacement"])
     rms = _by_minute(measured - reference, design.sampling_rate)
-
-    def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
-        return dims, values, {"units": units, "long_name": long_name}
 
     each, schemes = "controller", [one.scheme for one in found.values()]
     gains = [scheme.gains for scheme in schemes]

@@ -95,10 +95,11 @@ def _labels(probed: Probed, period: float) -> xr.Dataset:
     meaning = {"probing": "number of the probing stretch", "realisation": "number of the multisine"}
     return xr.Dataset(
         {
-            name: (
+            name: store.variable(
                 "time",
                 getattr(probed, name).astype(np.int16),
-                {"units": "1", "long_name": f"{long_name}, 0 outside whole periods"},
+                "1",
+                f"{long_name}, 0 outside whole periods",
             )
             for name, long_name in meaning.items()
         },

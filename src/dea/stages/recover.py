@@ -68,7 +68,7 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     dimensions = ("plant", "excitation", "search")
     dataset = xr.Dataset(
         {
-            name: (dimensions, values, {"units": "1", "long_name": _SCORES[name]})
+            name: store.variable(dimensions, values, "1", _SCORES[name])
             for name, values in scores.items()
         },
         coords={

@@ -67,7 +67,7 @@ def score_tests(
     }
     dataset = xr.Dataset(
         {
-            name: ("part", np.array(values), {"units": units, "long_name": label})
+            name: store.variable("part", np.array(values), units, label)
             for (name, (units, label)), values in zip(labels.items(), columns, strict=True)
         },
         coords={"part": ("part", [file.stem for file in test], {"units": "1"})},
@@ -76,13 +76,14 @@ def score_tests(
     compared = np.moveaxis(np.array(others), -1, 0)
     for name, values in zip(("nmse", "rmse"), compared, strict=True):
         units, label = labels[name]
-        described = {"units": units, "long_name": f"{label}, of simpler structures"}
-        dataset[f"baseline_{name}"] = (("part", "baseline"), values, described)
+        dataset[f"baseline_{name}"] = store.variable(
+            ("part", "baseline"), values, units, f"{label}, of simpler structures"
+        )
     for name, value, label in (
         ("terms", len(narx.terms), "number of terms"),
         ("initial_outputs", start, "measured outputs that a run starts from"),
     ):
-        dataset[name] = ((), value, {"units": "1", "long_name": label})
+        dataset[name] = store.variable((), value, "1", label)
     store.write(
         dataset,
         scores,

@@ -30,10 +30,8 @@ def select(settings: Mapping[str, Any], record: Path, model: Path) -> None:
             resamples=identification["resamples"],
             **selection | {"search": as_found(selection["search"], found)},
         )
-        dataset["inclusion_frequency"] = (
-            "term",
-            frequency,
-            {"units": "1", "long_name": "share of block bootstrap selections with the term"},
+        dataset["inclusion_frequency"] = store.variable(
+            "term", frequency, "1", "share of block bootstrap selections with the term"
         )
     dataset.attrs["sampling_rate"] = signals.sampling_rate
     dataset.attrs["samples_left_out"] = signals.left_out

@@ -41,7 +41,10 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     together = xr.concat(
         [
             found.assign_coords(tracker=method).assign(
-                {name: ((), found.attrs[name], _plain(label)) for name, label in words.items()}
+                {
+                    name: store.variable((), found.attrs[name], "1", label)
+                    for name, label in words.items()
+                }
             )
             for method, found in tracks.items()
         ],
@@ -65,10 +68,6 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
         inputs={"record": record, "model": model},
         settings=settings,
     )
-
-
-def _plain(name: str) -> dict[str, str]:
-    return {"units": "1", "long_name": name}
 
 
 if __name__ == "__main__":

@@ -37,10 +37,10 @@ def trial_log(
         time = np.arange(volts.size) / trial.sampling_rate
         record = xr.Dataset(
             {
-                "input": ("time", volts, {"units": "V", "long_name": "command"}),
-                "output": ("time", readings, {"units": trial.kind.unit, "long_name": "reading"}),
+                "input": store.variable("time", volts, "V", "command"),
+                "output": store.variable("time", readings, trial.kind.unit, "reading"),
             },
-            coords={"time": ("time", time, {"units": "s", "long_name": "time since the start"})},
+            coords={"time": store.variable("time", time, "s", "time since the start")},
             attrs={"contract": "imported_record", "simulation": committed["simulation"]},
         )
         store.write(

@@ -2,6 +2,7 @@
 
 from dea.atomic_file import atomic
 from dea.store.contracts import CONTRACTS, Contract, Variable
+from dea.store.described import Described, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
@@ -23,6 +24,7 @@ from dea.store.sources import Sources
 __all__ = [
     "CONTRACTS",
     "Contract",
+    "Described",
     "ForeignTable",
     "Record",
     "Sources",
@@ -45,5 +47,6 @@ __all__ = [
     "sha256",
     "signals",
     "usual_interval",
+    "variable",
     "write",
 ]

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
+from dea.store.described import Described, variable
 from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.records import check_record, input_variables, require_squares
 from dea.store.resampling import IntervalError, resample
@@ -119,21 +120,21 @@ def import_record(
     record = xr.Dataset(
         {
             **{
-                name: ("time", u[:, k], _attributes(driving[k]))
+                name: _of_column(u[:, k], driving[k])
                 for k, name in enumerate(input_variables(len(driving)))
             },
-            "output": ("time", y, _attributes(described.output)),
+            "output": _of_column(y, described.output),
             **flags,
         },
-        coords={"time": ("time", time, {"units": "s", "long_name": "time since the start"})},
+        coords={"time": variable("time", time, "s", "time since the start")},
         attrs={"contract": "imported_record", "source_file": described.file},
     )
     check_record(record, file)
     return record
 
 
-def _attributes(column: "Column") -> dict[str, str]:
-    return {"units": column.units, "long_name": column.name or column.column}
+def _of_column(values: np.ndarray, column: "Column") -> Described:
+    return variable("time", values, column.units, column.name or column.column)
 
 
 def _read(file: Path, case_file: Path | None, field: str) -> ForeignTable:

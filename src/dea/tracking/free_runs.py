@@ -20,6 +20,7 @@ from dea.narx import (
     simulate,
     simulate_varying,
 )
+from dea.store import variable
 from dea.tracking.sensitivity import sensitivity
 from dea.tracking.structure import with_constant
 
@@ -109,18 +110,14 @@ def compare_free_runs(
                 simulated + reach,
                 {"long_name": "upper end of the 95 % interval of the free run"},
             ),
-            "nmse": (
-                "simulation",
-                error / spread,
-                {"units": "1", "long_name": "normalised mean square error of the free run"},
+            "nmse": variable(
+                "simulation", error / spread, "1", "normalised mean square error of the free run"
             ),
-            "nmse_frozen": (
+            "nmse_frozen": variable(
                 "simulation",
                 np.array(frozen) / spread_of_stretches,
-                {
-                    "units": "1",
-                    "long_name": "the same over stretches with parameters held at their middle",
-                },
+                "1",
+                "the same over stretches with parameters held at their middle",
             ),
             "rmse": (
                 "simulation",
@@ -129,10 +126,8 @@ def compare_free_runs(
             ),
         },
         coords={
-            "simulation": (
-                "simulation",
-                list(trajectories),
-                {"units": "1", "long_name": "where the parameters come from"},
+            "simulation": variable(
+                "simulation", list(trajectories), "1", "where the parameters come from"
             )
         },
     )

@@ -380,34 +380,28 @@ def _labelled(
     innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
     covariance = np.full_like(found.covariance, np.nan) if found.withheld else found.covariance
     reach = quantile(LEVEL) * np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
-    plain, seconds = {"units": "1"}, {"units": "s"}
     over, at_instants = ("time", "term"), ("instant", "term")
     normalised = "of the parameter, normalised signals"
     attrs = {name: value for name, value in settings.items() if name != "noise_ratio"}
     track = xr.Dataset(
         {
-            "parameter": (
-                over, theta, plain | {"long_name": "parameter of the term, normalised signals"}
+            "parameter": store.variable(
+                over, theta, "1", "parameter of the term, normalised signals"
             ),
-            "parameter_std": (
+            "parameter_std": store.variable(
                 over,
                 lead_in(found.std, lag),
-                plain | {"long_name": f"standard deviation {normalised}, for white noise"},
+                "1",
+                f"standard deviation {normalised}, for white noise",
             ),
-            "covariance": (
-                ("instant", "term", "term_2"),
-                covariance,
-                plain | {"long_name": "covariance of the parameters"},
+            "covariance": store.variable(
+                ("instant", "term", "term_2"), covariance, "1", "covariance of the parameters"
             ),
-            "band_low": (
-                at_instants,
-                theta[at] - reach,
-                plain | {"long_name": f"lower end of the 95 % interval {normalised}"},
+            "band_low": store.variable(
+                at_instants, theta[at] - reach, "1", f"lower end of the 95 % interval {normalised}"
             ),
-            "band_high": (
-                at_instants,
-                theta[at] + reach,
-                plain | {"long_name": f"upper end of the 95 % interval {normalised}"},
+            "band_high": store.variable(
+                at_instants, theta[at] + reach, "1", f"upper end of the 95 % interval {normalised}"
             ),
             "innovation": (
                 "time",
@@ -416,20 +410,15 @@ def _labelled(
             ),
         },
         coords={
-            "time": (
-                "time",
-                np.arange(innovation.size) / sampling_rate,
-                seconds | {"long_name": "time since the start"},
+            "time": store.variable(
+                "time", np.arange(innovation.size) / sampling_rate, "s", "time since the start"
             ),
-            "instant": (
-                "instant", at / sampling_rate, seconds | {"long_name": "time of a covariance"}
-            ),
-            "term": ("term", list(map(str, model.terms)), plain | {"long_name": "term"}),
+            "instant": store.variable("instant", at / sampling_rate, "s", "time of a covariance"),
+            "term": store.variable("term", list(map(str, model.terms)), "1", "term"),
         },
-        attrs=attrs
-        | {"estimator": found.estimator, "withheld": found.withheld},
-    )  # fmt: skip
+        attrs=attrs | {"estimator": found.estimator, "withheld": found.withheld},
+    )
     if found.noise_ratio is not None:
-        label = {"long_name": "variance of a step over that of the noise, per sample"}
-        track["noise_ratio"] = ("term", found.noise_ratio, plain | label)
+        label = "variance of a step over that of the noise, per sample"
+        track["noise_ratio"] = store.variable("term", found.noise_ratio, "1", label)
     return track
