@@ -17,6 +17,7 @@ from pyModbusTCP.utils import crc16
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.modbus import read_device
+from modbus_frames import frame
 
 pytestmark = pytest.mark.faults
 
@@ -46,11 +47,6 @@ def bench():
 
 def connect(port):
     return socket.create_connection(("127.0.0.1", port), timeout=5)
-
-
-def frame(pdu, unit=1, transaction=0, protocol=0, length=None):
-    length = len(pdu) + 1 if length is None else length
-    return struct.pack(">HHHB", transaction, protocol, length, unit) + pdu
 
 
 def request(rng):

@@ -1,7 +1,6 @@
 """The bench as any Modbus master meets it, byte by byte and through pymodbus's client."""
 
 import socket
-import struct
 import time
 
 import numpy as np
@@ -9,8 +8,8 @@ import pytest
 from pymodbus.client import ModbusTcpClient
 
 from dea.modbus import checksum, encode
+from modbus_frames import frame
 
-UNIT = 1
 READ_IDENTITY = bytes.fromhex("0300000008")
 
 
@@ -72,11 +71,6 @@ def open_socket(bench):
     yield connect
     for each in sockets:
         each.close()
-
-
-def frame(pdu, transaction=7, unit=UNIT, protocol=0, length=None):
-    length = len(pdu) + 1 if length is None else length
-    return struct.pack(">HHHB", transaction, protocol, length, unit) + pdu
 
 
 def reply(connection):
