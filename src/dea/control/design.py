@@ -161,7 +161,9 @@ class ControllerDesign:
         """
         frequencies = loop_frequencies(self.sampling_rate)
         delay = np.exp(-2j * np.pi * frequencies / self.sampling_rate)
-        linear = [_alone(self._band(u, frequencies).response * delay) for u, _ in self.rests]
+        linear = [
+            ResponseBand.exact(self._band(u, frequencies).response * delay) for u, _ in self.rests
+        ]
         tuned = [
             min(
                 (
@@ -257,8 +259,3 @@ def rests_of(
         )
     nearest = {int(rising[np.argmin(np.abs(found[rising] - y))]) for y in outputs}
     return [(float(inputs[k]), float(found[k])) for k in sorted(nearest)]
-
-
-def _alone(response: NDArray[np.complex128]) -> ResponseBand:
-    gain, phase = np.abs(response), np.degrees(np.angle(response))
-    return ResponseBand(response, gain, gain, phase, phase)

@@ -28,6 +28,12 @@ class ResponseBand(NamedTuple):
     phase_low: Array
     phase_high: Array
 
+    @classmethod
+    def exact(cls, response: NDArray[np.complex128]) -> "ResponseBand":
+        """Return a response whose intervals have no width."""
+        gain, phase = np.abs(response), np.degrees(np.angle(response))
+        return cls(response, gain, gain, phase, phase)
+
     @property
     def gain(self) -> Array:
         """Magnitude of the response."""
