@@ -46,7 +46,7 @@ def creeping():
 def test_nothing_is_named_where_nothing_is_missing():
     found = diagnosed(seed=5)
     assert found.verdict.status == "none", found.verdict.sentence
-    assert found.floor == pytest.approx(NOISE, rel=0.12)
+    assert found.noise_floor == pytest.approx(NOISE, rel=0.12)
 
 
 @pytest.mark.slow
@@ -62,7 +62,7 @@ def test_an_effect_of_another_form_is_named(name, size):
     found = diagnosed((name, size))
     assert found.verdict.status == "named", found.verdict.sentence
     assert found.verdict.names == (name,)
-    assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
+    assert found.verdict.certified["rmse_after"] < 1.3 * found.noise_floor
 
 
 @pytest.mark.slow
@@ -84,8 +84,8 @@ def test_creep_is_named_and_proven(creeping):
     verdict = creeping.verdict
     assert verdict.status == "named", verdict.sentence
     assert verdict.names == ("viscoelastic_creep",)
-    assert verdict.certified["rmse_after"] < 1.3 * creeping.floor
-    assert verdict.certified["rmse_before"] > 1.5 * creeping.floor
+    assert verdict.certified["rmse_after"] < 1.3 * creeping.noise_floor
+    assert verdict.certified["rmse_before"] > 1.5 * creeping.noise_floor
     gain, low, high = verdict.effects[0].gain
     assert 0.1 < low < gain < high
     for estimate in verdict.effects[0].parameters.values():

@@ -25,7 +25,7 @@ def test_flagged_samples_change_no_name():
     settings = Settings(effects=OFFERED, budget=SEARCH)
     found = diagnose(flagged, "dea_membrane", settings=settings)
     assert found.verdict.names == ("gain_drift",), found.verdict.sentence
-    assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
+    assert found.verdict.certified["rmse_after"] < 1.3 * found.noise_floor
 
 
 def test_a_record_whose_output_is_known_too_seldom_is_refused_in_one_line():

@@ -151,7 +151,8 @@ def test_what_leaves_more_than_a_right_explanation_is_no_hypothesis(
     # Where none is right, all are kept.
     hum, fault = left("hum", 2.6 if drift < 3.0 else 3.3), left("fault", 3.5)
     found = SimpleNamespace(
-        nominal=SimpleNamespace(residual=10.0), floor=1.0, complete=1.0, rules=Rules(misfit=0.25),
+        nominal=SimpleNamespace(residual=10.0), noise_floor=1.0, floor=1.0,
+        rules=Rules(misfit=0.25),
         problem=SimpleNamespace(seen_rmse=abs),
         decision=SimpleNamespace(chosen=left("creep", creep), rivals=()),
         presence=SimpleNamespace(candidates=(left("drift", drift), fault)),

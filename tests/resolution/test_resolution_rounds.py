@@ -128,7 +128,7 @@ def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_n
     nominal = Fit(extended, np.zeros(0), np.zeros(800), np.zeros((800, 0)), 0.0)
     diagnosis = SimpleNamespace(
         problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2, decimation=3),
-        nominal=nominal, floor=0.1, complete=0.1,
+        nominal=nominal, noise_floor=0.1, floor=0.1,
         error=SimpleNamespace(white=0.1, left=0.05, memory=4.0), rules=Rules(),
     )  # fmt: skip
     error = _law_error(diagnosis)

@@ -138,15 +138,15 @@ def diagnose(
             remedy="Declare its force ports, or offer effects of other ports",
         )
     whole = parts.blocks(problem.bridged, max(problem.size / 8, 64))
-    floor = noise_floor(rounds, whole, problem.known & ~at_a_limit(problem.y))
-    floor = max(floor, quantisation(problem.y[problem.known]))
-    rounds = unfinish_degenerate(problem, rounds, rules, floor, workers)
+    white = noise_floor(rounds, whole, problem.known & ~at_a_limit(problem.y))
+    white = max(white, quantisation(problem.y[problem.known]))
+    rounds = unfinish_degenerate(problem, rounds, rules, white, workers)
     singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
     length = max(problem.size / settings.blocks, parts.spacing)
     blocks = parts.blocks(problem.bridged, length)
-    evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
+    evidence = Evidence(problem, nominal, HeldOut(problem), blocks, white, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))
     proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
@@ -190,7 +190,7 @@ def diagnose(
         force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
-        floor=floor,
+        noise_floor=white,
         presence=weighed,
         error=error,
         share=share_of(evidence, final) if decision.answer else None,
@@ -310,7 +310,7 @@ def _weighed(
     error = model_error(
         nominal.residual[seen],
         best.residual[seen],
-        evidence.noise,
+        evidence.noise_floor,
         rules.law_error,
         evidence.accuracy,
     )

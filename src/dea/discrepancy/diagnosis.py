@@ -100,7 +100,7 @@ class Diagnosis:
     force: UnknownForce | None
     confusion: Confusion
     certificate: Certificate
-    floor: float
+    noise_floor: float
     presence: Presence
     error: ModelError
     share: Share | None
@@ -118,9 +118,9 @@ class Diagnosis:
         return uncertainty(self.problem, self.final, self.spread, self.error)
 
     @property
-    def complete(self) -> float:
+    def floor(self) -> float:
         """Residual that remains of a complete simulation: noise and stated accuracy."""
-        return float(np.hypot(self.floor, self.nominal.extended.simulation.accuracy))
+        return float(np.hypot(self.noise_floor, self.nominal.extended.simulation.accuracy))
 
     @property
     def gap(self) -> float:

@@ -9,16 +9,19 @@ import numpy as np
 class Rules:
     """When an effect is named.
 
+    A *floor* is what a complete simulation leaves: the noise floor, and beside it the stated
+    accuracy; during the search the noise floor alone.
+
     Parameters
     ----------
     margin
         Part of the held-out error that an effect must remove, at the lower end of its interval.
     clean
-        Residual, in noise floors, up to which a record counts as explained.
+        Residual, in floors, up to which a record counts as explained.
     misfit
         Part of the gap (the misfit of the simulation alone) that may remain.
     grow
-        A further effect is looked for if the residual exceeds this many noise floors, or the
+        A further effect is looked for if the residual exceeds this many floors, or the
         misfit exceeds what may remain. Several effects together may not leave more floors, unless
         each is certain and it is coloured noise.
     room
@@ -35,7 +38,7 @@ class Rules:
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.
     noise_like
-        Residual, in noise floors, up to which a residual that no effect and no flexible model
+        Residual, in floors, up to which a residual that no effect and no flexible model
         reduces counts as noise, and up to which a small drift of the reading counts as noise.
     negligible
         Part of the noise floor below which the misfits of two candidates are not distinguished.
@@ -115,5 +118,5 @@ class Rules:
 
 
 def misfit(error: float, floor: float) -> float:
-    """Return the part of an error above the noise floor (root of the difference of squares)."""
+    """Return the part of an error above the floor (root of the difference of squares)."""
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))

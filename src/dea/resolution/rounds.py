@@ -148,7 +148,7 @@ def _certified(
         return replace(found, pending=CERTIFICATE)
     other = {"fresh": signals_of(record, simulation)}
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
-    if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.complete)):
+    if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
         last = found.rounds[-1]
         after = replace(last.after, withdrawn=ResolutionOutcome.CONTRADICTED)
         rounds = (*found.rounds[:-1], replace(last, after=after))

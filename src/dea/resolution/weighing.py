@@ -170,7 +170,7 @@ def _explanations(found: Diagnosis) -> dict[str, Explanation]:
     spoken = [*([decision.chosen] if decision.chosen else []), *decision.rivals]
     others = [*found.presence.candidates, *(c for c in found.singles.candidates if c.finished)]
     most = found.rules.misfit * _unexplained(found)
-    right = [c for c in (*spoken, *others) if misfit(c.rmse, found.complete) <= most]
+    right = [c for c in (*spoken, *others) if misfit(c.rmse, found.floor) <= most]
     candidates = [*spoken, *right] if right else [*spoken, *others]
     problem, error = found.problem, _error(found)
     explanations = {NONE: explained(found.nominal, problem, error)}
@@ -225,7 +225,7 @@ def _law_error(found: Diagnosis) -> LawError:
 
 def _unexplained(found: Diagnosis) -> float:
     """Return the misfit of the simulation alone."""
-    return misfit(found.problem.seen_rmse(found.nominal.residual), found.complete)
+    return misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
 
 
 def _errors_on(known: Knowledge, samples: Samples) -> Errors:

@@ -51,7 +51,7 @@ def best_extension(
         leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
         errors = {id(c): held_out.rmse(c.fit) for c in leading}
         best = min(errors.values())
-        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise)]
+        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise_floor)]
         return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
 
     chosen = simplest(proven) if proven else None

@@ -126,7 +126,7 @@ def _stands_alone(
             predicts = evidence.held_out.rmse
             nearly = rules.nearly(other.error, surest.error)
             return nearly and predicts(other.fit) <= predicts(surest.fit)
-        if not rules.as_good(other.error, surest.error, evidence.noise):
+        if not rules.as_good(other.error, surest.error, evidence.noise_floor):
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
         worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)

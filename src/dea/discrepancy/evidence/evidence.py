@@ -24,8 +24,8 @@ class Evidence:
         Residuals on blocks that the parameters were not fitted to.
     blocks
         Blocks of the seen samples, which are resampled.
-    noise
-        Noise floor, down to which rivals are told apart.
+    noise_floor
+        Level of the white noise, down to which rivals are told apart.
     accuracy
         Stated accuracy of the simulation.
     rng
@@ -36,7 +36,7 @@ class Evidence:
     nominal: Fit
     held_out: HeldOut
     blocks: Sequence[slice]
-    noise: float
+    noise_floor: float
     accuracy: float
     rules: Rules
     rng: np.random.Generator
@@ -49,4 +49,4 @@ class Evidence:
     @property
     def floor(self) -> float:
         """Residual that remains of a complete simulation: noise and stated accuracy."""
-        return float(np.hypot(self.noise, self.accuracy))
+        return float(np.hypot(self.noise_floor, self.accuracy))

@@ -116,7 +116,7 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
                 "flag_meanings": "unused fit select certify",
             },
         ),
-        "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),
+        "noise_floor": ((), diagnosis.noise_floor, _attributes(unit, "noise floor")),
     }
     if diagnosis.decision.answer:
         data |= _laws(diagnosis)
@@ -161,9 +161,9 @@ def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, st
 def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
     """Return the share of each single effect that was fitted to the end; NaN of others."""
     whole = rmse(diagnosis.ladder.rungs[0].residual, diagnosis.problem.seen)
-    gap = misfit(whole, diagnosis.complete)
+    gap = misfit(whole, diagnosis.floor)
     left = [
-        misfit(whole * float(np.exp(-gain)), diagnosis.complete)
+        misfit(whole * float(np.exp(-gain)), diagnosis.floor)
         for gain in diagnosis.singles.gains.gain
     ]
     finished = [c.finished and gap > 0.0 for c in diagnosis.singles.candidates]

@@ -45,7 +45,7 @@ def _timing(found: "Diagnosis") -> str:
     at = names.index(TIMING_OFFSET)
     spread = fitted.extended.timing_spread
     offset = float(fitted.coordinates[at]) * spread
-    variance = found.floor**2
+    variance = found.noise_floor**2
     deviation = float(np.sqrt(fitted.covariance(problem.seen, variance)[at, at])) * spread
     if abs(offset) < max(_EARLY * problem.recorded_interval, _SURE * deviation):
         return ""
@@ -91,7 +91,7 @@ def _outliers(found: "Diagnosis") -> str:
     problem = found.problem
     if problem.decimation > 1:
         return ""
-    count = count_outliers(found.final.residual, problem.known, found.floor)
+    count = count_outliers(found.final.residual, problem.known, found.noise_floor)
     if not count:
         return ""
     samples = "1 sample lies" if count == 1 else f"{count} samples lie"

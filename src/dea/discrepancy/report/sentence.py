@@ -65,10 +65,10 @@ def verdict_sentence(
 
 
 def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
-    unit, floor = found.units[1], found.floor
+    unit, noise_floor = found.units[1], found.noise_floor
     decision, block, unexplained = found.decision, found.certificate.block, found.unexplained
     place = f"near the simulation's priors {where_sentence(found.where.before)}"
-    noise = f"noise floor {floor:.3g} {unit}"
+    noise = f"noise floor {noise_floor:.3g} {unit}"
     if decision.status is Status.NONE:
         return (
             f"Nothing is missing that this record could show: {decision.reason} "
@@ -174,14 +174,15 @@ def _nearest(found: "Diagnosis") -> str:
 
 def _form(found: "Diagnosis") -> str:
     """Say that the law of what is named is too poor, where its certified error shows it."""
-    block, floor = found.certificate.block, found.floor
-    if block.after <= found.rules.poor * found.complete:
+    after = found.certificate.block.after
+    if after <= found.rules.poor * found.floor:
         return ""
+    left = f"{after / found.noise_floor:.2g} noise floors"
     if found.decision.reason is Reason.COLOURED:
-        return f" What remains, {block.after / floor:.2g} noise floors, looks like coloured noise."
+        return f" What remains, {left}, looks like coloured noise."
     one = len(found.extended.extended.attached) == 1
     laws = "Its law is" if one else "Their laws are"
-    return f" {laws} too poor here: {block.after / floor:.2g} noise floors remain."
+    return f" {laws} too poor here: {left} remain."
 
 
 def label_in_words(label: str) -> str:

@@ -38,7 +38,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
             "along": where.before.strongest,
             "along_after": where.after.strongest,
         },
-        noise_floor=found.floor,
+        noise_floor=found.noise_floor,
         certified={
             "rmse_before": block.before,
             "rmse_after": block.after,
@@ -49,7 +49,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
             },
         },
         unit=found.units[1],
-        ladder=rungs | {"noise floor": found.floor},
+        ladder=rungs | {"noise floor": found.noise_floor},
         equation=found.unexplained.equation if unfinished else None,
         not_identifiable=tuple(
             label
@@ -113,7 +113,7 @@ def _shares(found: "Diagnosis") -> list[float | None]:
     parts, removed = found.ladder.contributions, found.share
     if removed is None or len(parts) != len(found.ladder.rungs) - 1:
         return [None] * len(parts)
-    left = [misfit(error, found.complete) for error in (parts[0].before, *(p.after for p in parts))]
+    left = [misfit(error, found.floor) for error in (parts[0].before, *(p.after for p in parts))]
     if left[0] <= left[-1]:
         return [None] * len(parts)
     return [

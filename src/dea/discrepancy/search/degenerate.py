@@ -27,7 +27,7 @@ _GENTLE, _PIECES = 0.6, 20
 
 
 def unfinish_degenerate(
-    problem: Problem, rounds: Sequence[Round], rules: Rules, floor: float, workers: int
+    problem: Problem, rounds: Sequence[Round], rules: Rules, noise_floor: float, workers: int
 ) -> list[Round]:
     """Return the rounds with such candidates, of the leading ones, marked as unfinished.
 
@@ -40,7 +40,7 @@ def unfinish_degenerate(
     leading = [c for c in finished if c.error <= limit]
     doubtful = [c for c in leading if any(a.effect.essential for a in c.fit.extended.attached)]
     degenerate = in_parallel(
-        lambda c: _is_degenerate(problem, c, rules, floor),
+        lambda c: _is_degenerate(problem, c, rules, noise_floor),
         doubtful,
         workers,
         "leading effects at their limits",
@@ -53,7 +53,7 @@ def unfinish_degenerate(
         if limiting is None:
             continue
         alike = (d for d, curve in curves if curve.beside == limiting.beside)
-        as_good = any(rules.as_good(d.rmse, c.rmse, floor) for d in alike)
+        as_good = any(rules.as_good(d.rmse, c.rmse, noise_floor) for d in alike)
         if as_good and _bends_gently(problem, c.fit, limiting.place):
             fallen.add(id(c))
     return [
@@ -95,12 +95,16 @@ def _bends_gently(problem: Problem, found: Fit, index: int) -> bool:
     return bool(min(slopes[0], slopes[-1]) > _GENTLE * slopes.max())
 
 
-def _is_degenerate(problem: Problem, candidate: Candidate, rules: Rules, floor: float) -> bool:
+def _is_degenerate(
+    problem: Problem, candidate: Candidate, rules: Rules, noise_floor: float
+) -> bool:
     """Return whether one of the laws explains as much without its essential parameter."""
     for index, attached in enumerate(candidate.fit.extended.attached):
         if attached.effect.essential:
             limit = judged(problem, _without_essential(problem, candidate.fit, index))
-            if limit.error <= candidate.error or rules.as_good(limit.rmse, candidate.rmse, floor):
+            if limit.error <= candidate.error or rules.as_good(
+                limit.rmse, candidate.rmse, noise_floor
+            ):
                 return True
     return False
 

@@ -171,8 +171,8 @@ class Search:
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
-        floor = self._lowest_level(candidates)
-        return self.rules.leaves_room(candidates[0].rmse, nominal_error, floor)
+        level = self._lowest_level(candidates)
+        return self.rules.leaves_room(candidates[0].rmse, nominal_error, level)
 
     def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
