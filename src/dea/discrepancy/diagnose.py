@@ -65,10 +65,9 @@ if TYPE_CHECKING:
 
     from dea.store import Record
 
-# Candidates that are weighed against each other: so many leading ones.
-_WEIGHED = 14
-# Rivals whose confusion is shown.
-_SHOWN = 8
+# Leading candidates that are weighed against each other, and rivals whose confusion is shown. Both
+# were chosen, not measured.
+_WEIGHED, _SHOWN = 14, 8
 
 
 def diagnose(

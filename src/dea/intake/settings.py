@@ -18,6 +18,8 @@ from dea.warm_up import LONGEST_WARM_UP
 
 Array = NDArray[np.float64]
 
+# No measurement of these values is recorded, nor a source; the page on cases says what follows from
+# them, and a user may change what they lead to in the case.
 _HELD_OUT = 1 / 3  # share of the record, at its end, that identification does not see
 _LONGEST = 4000  # samples to identify from: more take longer and change little
 _SHORTEST = 60  # samples of a record, whatever its inputs
@@ -27,7 +29,8 @@ _MOST_LAGS = 4
 _WINDOWS = 3
 _RESAMPLES = 10
 _RESPONSES = 120  # times at which responses are taken, at most
-_SLOWEST_TIMES = 10  # slowest time constants in a record, without which a diagnosis cannot split it
+# Slowest time constants in a record, at least: with less than eight a diagnosis cannot split it.
+_SLOWEST_TIMES = 10
 _SETTLINGS = 20  # settling times in a window of the local tracker
 
 

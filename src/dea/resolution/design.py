@@ -23,6 +23,7 @@ from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import Explanation
 from dea.resolution.law_error import LawError
 
+# How hard a design is sought. A limit of time: no measurement of these values is recorded.
 # Explanations that are told apart: so many of the most probable ones.
 _MOST = 6
 # Excitations of a duration that are tried: as many as this many simulated samples allow, within
@@ -31,7 +32,8 @@ _WORK, _FEWEST, _MOST_TRIED = 2.5e7, 32, 160
 _DRAWN = 0.4
 # Genes that a change alters at most, and the deviation of a small change.
 _ALTERED, _SMALL = 3, 0.2
-# Parts of the longest duration that are tried, the shortest first.
+# Parts of the longest duration that are tried, the shortest first: time of the device is what the
+# budget limits.
 _PARTS = (0.25, 0.5, 1.0)
 # Factors by which an excitation whose predicted output leaves its range is drawn to the middle.
 _SHRINKS = (1.0, 0.8, 0.6, 0.4, 0.2)

@@ -13,14 +13,16 @@ from dea.simulation import TIMING_OFFSET
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
 
+# The values were chosen: they change what is said besides, and no verdict.
 # Sampling intervals from which a timing offset is worth a remark, and its standard deviations.
 _EARLY, _SURE = 0.1, 3.0
 # Part of the residual from which a force that no effect has is worth a remark.
 _FORCE = 0.5
 # Part of the white level from which a coloured error is said, and of the gap up to which it may be
-# one to live with.
+# one to live with: more of it is what is missing.
 _COLOURED, _SMALL = 0.5, 0.5
-# Sampling intervals of the slowest time constant below which a record shows a device at rest alone.
+# Sampling intervals of the slowest time constant below which a record shows a device at rest alone:
+# from one sample to the next, a transient falls below exp(-10).
 _RARE = 0.1
 
 

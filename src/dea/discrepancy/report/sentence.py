@@ -26,7 +26,8 @@ _PHRASES: Mapping[str, str] = {
 }
 # Percentage of the residual from which an equation for it is worth a sentence.
 _LEAST_SHARE = 1.0
-# Part of the gap that the best explanation may leave for its effect to be spoken of.
+# Part of the gap that the best explanation may leave for its effect to be spoken of: one that
+# removes little is no hint. The value was chosen.
 _LEFT = 0.8
 _DIRECTIONS = ("falling", "still", "rising")
 

@@ -7,6 +7,10 @@ from dataclasses import dataclass, replace
 class Budget:
     """How far the search goes, the same for every candidate of a round.
 
+    Decisions 35 (``restarted``), 37 (what a long record gets), 41 (``decimated``) and 58
+    (``exchange_misfit``) say what these rest on. Of the other values no measurement is recorded:
+    they share out the time of a diagnosis.
+
     Parameters
     ----------
     starts

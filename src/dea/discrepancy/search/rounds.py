@@ -22,11 +22,13 @@ from dea.simulation import (
     with_fine_steps,
 )
 
+# These share out the time of a diagnosis; no measurement of their values is recorded.
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew; of second effects one.
 _POLISHED = 2
-# Part of the candidates that are fitted to the end where they are second effects.
+# Part of the candidates that are fitted to the end where they are second effects: there is a round
+# of these for each leading first one.
 _SECOND = 2 / 3
 # A short record affords more fits of a first effect than the budget's least number: so many samples
 # are shared among them, and there are at most so many fits.
