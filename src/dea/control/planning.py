@@ -162,10 +162,17 @@ def inverse_of(inverse: RecedingHorizonInverse, reference: Array, u: float, y: f
 
     Parameters
     ----------
+    inverse
+        It is set to the rest, and then to where the reference ends.
     reference
         Output wanted, shape (samples,); after its end it is held.
     u, y
         Input and output at rest.
+
+    Returns
+    -------
+    ndarray
+        Shape (samples,), in units of the input.
 
     Raises
     ------

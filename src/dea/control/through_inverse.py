@@ -67,10 +67,20 @@ def tune_through_inverse(
 
     Parameters
     ----------
+    inverse
+        The inverse that the feedback acts through.
     rests
         Input and output of the rests over which the reference goes.
     bands
         Of H1 at each of them, at ``frequencies`` (Hz).
+    frequencies
+        Shape (frequencies,), in Hz.
+    sampling_rate
+        In Hz.
+    integral_time, filter_time
+        In s, as for :func:`tune_feedback`.
+    largest_sensitivity
+        Ms, which every response in its band keeps.
 
     Raises
     ------

@@ -97,6 +97,12 @@ def diagnose(
     workers
         Threads that candidates are fitted on; the result does not depend on it.
 
+    Returns
+    -------
+    Diagnosis
+        ``verdict`` says what is missing, ``final`` is the simulation fitted to the whole record,
+        with the effects that are named.
+
     Raises
     ------
     InputError

@@ -118,5 +118,8 @@ class Rules:
 
 
 def misfit(error: float, floor: float) -> float:
-    """Return the part of an error above the floor (root of the difference of squares)."""
+    """Return the part of an error above a floor, √(error² − floor²), and 0 below it.
+
+    Both are RMS values in one unit.
+    """
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))

@@ -130,8 +130,18 @@ def zero_input_interval(
 ) -> Interval:
     """Return the rest y0 of :func:`dea.gfrf.zero_input_response` with its interval.
 
-    Parameters are those of :func:`frequency_response_band`; results have shape (...), in output
-    units.
+    Parameters are those of :func:`frequency_response_band`.
+
+    Returns
+    -------
+    Interval
+        Value, low and high, each of shape (...) of the sets of parameters, in output units.
+
+    Raises
+    ------
+    InputError
+        As :func:`dea.gfrf.zero_input_response`; if the model has no covariance, or parameters come
+        without theirs.
     """
     spread = _covariance(model, parameters, covariance)
     theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)

@@ -160,12 +160,18 @@ def zero_input_response(
     it is the one that the free run from the output's offset settles to; for varying parameters
     the branch is followed from one set to the next.
 
-    Parameters are those of :func:`frequency_response`; the result has shape (...), in output units.
+    Parameters are those of :func:`frequency_response`.
+
+    Returns
+    -------
+    ndarray
+        Shape (...) of the sets of parameters, in output units; NaN where a set does not settle and
+        ``allow_missing`` is given.
 
     Raises
     ------
     InputError
-        If the model does not come to rest.
+        If the model does not come to rest, or parameters or operating point do not fit it.
     """
     found = rests(model, parameters, operating_point, allow_missing)
     return model.scaling.restore_output(found.y0).reshape(found.sets)
@@ -314,7 +320,14 @@ def rests(
     operating_point: ArrayLike | None,
     allow_missing: bool,
 ) -> Rests:
-    """Return the rests of a model; parameters are those of :func:`frequency_response`."""
+    """Return the rests of a model; parameters are those of :func:`frequency_response`.
+
+    Raises
+    ------
+    InputError
+        If the model does not come to rest and ``allow_missing`` is not given, or parameters or
+        operating point do not fit it.
+    """
     theta, sets = _parameter_sets(model, parameters)
     u0 = _normalised_input(model, operating_point)
     y0 = rest_along(model.terms, theta, u0)

@@ -23,10 +23,15 @@ Value = int | float | str | list[int] | list[float]
 
 
 def encode(register: Register, value: Value) -> list[int]:
-    """Registers that hold ``value`` (raw, before scale and offset), ``register.size`` of them.
+    """Return ``register.size`` words that hold ``value`` (raw, before scale and offset).
 
     ``word_order`` little puts the least significant word first; ``byte_order`` little swaps the
-    two bytes within each word. Raises ValueError where the value does not fit the type.
+    two bytes within each word.
+
+    Raises
+    ------
+    ValueError
+        Where the value does not fit the register's type or count.
     """
     if register.type == "string":
         if not isinstance(value, str):
@@ -84,7 +89,7 @@ def _ordered(register: Register, words: Sequence[int]) -> list[int]:
 
 
 def to_physical(register: Register, counts: np.ndarray | float) -> np.ndarray:
-    """``offset + scale * counts`` in ``register.unit``."""
+    """Return ``offset + scale * counts`` in ``register.unit``, in the shape of ``counts``."""
     return register.offset + register.scale * np.asarray(counts, dtype=float)
 
 
@@ -118,9 +123,14 @@ def representable(register: Register) -> tuple[float, float]:
 
 
 def limit_counts(device: Device, name: str) -> tuple[int, int]:
-    """Lowest and highest raw counts of a register that lie inside its ``limits``.
+    """Return the lowest and the highest raw counts of a register that lie inside its ``limits``.
 
     Counts are rounded inwards, so that no representable value exceeds a limit.
+
+    Raises
+    ------
+    InputError
+        If the register has no limits.
     """
     register = device[name]
     if register.limits is None:

@@ -25,13 +25,14 @@ def inclusion_frequency(
     """Share of bootstrap resamples whose selection contains each of ``terms``.
 
     The records are cut into contiguous blocks of about one length, which keeps the dynamics inside
-    them; each resample
-    draws as many blocks with replacement and selects terms on them anew. A low share
-    means that other terms describe the data equally well, often neighbouring lags of a smooth
+    them; each resample draws as many blocks with replacement and selects terms on them anew. A low
+    share means that other terms describe the data equally well, often neighbouring lags of a smooth
     signal.
 
     Parameters
     ----------
+    terms
+        Terms, as text or parsed.
     u, y
         Records as for :func:`dea.narx.select_terms`.
     rng
@@ -46,6 +47,12 @@ def inclusion_frequency(
     -------
     ndarray
         Shape (terms,), each 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If there are too few resamples or blocks, as well as for what
+        :func:`dea.narx.select_terms` refuses.
     """
     for field, given, least in (("resamples", resamples, 1), ("blocks", blocks, 2)):
         if given < least:

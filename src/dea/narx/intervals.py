@@ -27,14 +27,28 @@ class Interval(NamedTuple):
 
 
 def quantile(level: float) -> float:
-    """Return how many standard deviations either side hold the share ``level`` of a normal law."""
+    """Return how many standard deviations either side hold the share ``level`` of a normal law.
+
+    Raises
+    ------
+    InputError
+        If the level is not between 0 and 1.
+    """
     if not 0.0 < level < 1.0:
         raise InputError(f"it is {level:g}", field="level", remedy="It lies between 0 and 1")
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
 def covariance_of(model: NarxModel) -> Array:
-    """Return the covariance of the parameters (terms, terms); NaN where it is withheld."""
+    """Return the covariance of the parameters (terms, terms); NaN where it is withheld.
+
+    It is that of the parameters of the normalised signals.
+
+    Raises
+    ------
+    InputError
+        If the model has none.
+    """
     if model.covariance is None:
         raise InputError(
             "the model has no covariance",

@@ -10,7 +10,18 @@ from dea.narx.checks import Array, as_signal
 def nmse(measured: ArrayLike, simulated: ArrayLike) -> float:
     """Normalised mean square error SSE/SST: 0 is perfect, 1 as good as the mean.
 
-    The published Table 1 lists this; what (32) prints is :func:`fit`.
+    The published Table 1 lists this; what (32) prints is :func:`fit`. Infinite where the simulation
+    diverges, or the output is constant.
+
+    Parameters
+    ----------
+    measured, simulated
+        Shape (samples,), in one unit. What is simulated may be infinite or NaN.
+
+    Raises
+    ------
+    InputError
+        If the shapes differ, or a measured value is no finite number.
     """
     y = as_signal(measured, "measured")
     error = _squared(y, simulated)
@@ -19,14 +30,18 @@ def nmse(measured: ArrayLike, simulated: ArrayLike) -> float:
 
 
 def fit(measured: ArrayLike, simulated: ArrayLike) -> float:
-    """Share of the output's variation that the simulation explains (32): 1 - nmse."""
+    """Share of the output's variation that the simulation explains (32): 1 - nmse.
+
+    Parameters and errors are those of :func:`nmse`.
+    """
     return 1.0 - nmse(measured, simulated)
 
 
 def fpe(measured: ArrayLike, simulated: ArrayLike, terms: int) -> float:
     """Final prediction error (33), in squared units of the output, for a model of ``terms`` terms.
 
-    Infinite where the model has as many terms as there are samples.
+    Infinite where the simulation diverges, or the model has as many terms as there are samples.
+    Other parameters and errors are those of :func:`nmse`.
     """
     y = as_signal(measured, "measured")
     share = terms / y.size
@@ -34,7 +49,10 @@ def fpe(measured: ArrayLike, simulated: ArrayLike, terms: int) -> float:
 
 
 def rmse(measured: ArrayLike, simulated: ArrayLike) -> float:
-    """Root mean square error, in units of the output."""
+    """Root mean square error, in units of the output; infinite where the simulation diverges.
+
+    Parameters and errors are those of :func:`nmse`.
+    """
     y = as_signal(measured, "measured")
     return float(np.sqrt(_squared(y, simulated) / y.size))
 

@@ -62,6 +62,11 @@ def compare_orders(
     -------
     Dataset
         As ``orders.nc`` holds it; an order whose model diverges has infinite errors.
+
+    Raises
+    ------
+    InputError
+        If an order is below 1, or a record is refused by :func:`dea.narx.select_terms`.
     """
     for field, given in (("dynamic", dynamic), ("polynomial", polynomial), ("lags", lags)):
         if given < 1:

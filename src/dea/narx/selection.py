@@ -164,6 +164,12 @@ def select_common_terms(
     -------
     list of NarxModel
         One for each system, all with the same terms in the same order.
+
+    Raises
+    ------
+    InputError
+        If the records are no list, or there is none, as well as for what :func:`select_terms`
+        refuses.
     """
     _check_search(search, Refined)
     if isinstance(records, Record) or not len(records):

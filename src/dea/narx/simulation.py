@@ -110,6 +110,11 @@ def simulate_varying(
         Parameters, shape (samples, terms).
 
     Other parameters and the result are those of :func:`simulate`.
+
+    Raises
+    ------
+    InputError
+        If ``theta`` is of another shape.
     """
     wanted = u.shape[0], len(terms)
     if theta.shape != wanted:

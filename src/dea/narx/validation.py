@@ -93,6 +93,8 @@ def validate(
         zero.
     sampling_rate
         In Hz.
+    windows
+        Where models are estimated and validated.
     units
         Of input and output; of several inputs one for each.
     inputs

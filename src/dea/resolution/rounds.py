@@ -94,6 +94,34 @@ def resolve(
 
     Everything but the records follows from their order, the settings and the seed, so that a loop
     that was ended goes on where it was: the ``source`` returns the designs and records there are.
+
+    Parameters
+    ----------
+    records
+        Of one device, in the simulation's units, as for :func:`dea.diagnose`.
+    simulation
+        Of one input; its name, or a Python file, will do.
+    source
+        Keeps the designs, and gives the record of each.
+    limits
+        Of the input and of the predicted outputs, in the simulation's units.
+    settings
+        Of the diagnoses.
+    options
+        Budget and level of the loop.
+    workers
+        Threads that candidates are fitted on; the result does not depend on it.
+
+    Returns
+    -------
+    Resolution
+        What was known before, every round, and the outcome; ``pending`` where a record is still to
+        be made by hand.
+
+    Raises
+    ------
+    InputError
+        If the simulation has several inputs, as well as for what :func:`dea.diagnose` refuses.
     """
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)

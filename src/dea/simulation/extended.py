@@ -278,7 +278,19 @@ class ExtendedSimulation:
         return self.read(self.run(values, u, interval)[0], values, interval)
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        """Return the output behind the sensor's own filter, and the normalised position: (2, n)."""
+        """Return the output behind the sensor's own filter, and the normalised position: (2, n).
+
+        Both are NaN from where the simulation diverges.
+
+        Parameters
+        ----------
+        values
+            Of all parameters, shape (parameters,).
+        u
+            Input (n,), of several inputs (n, inputs).
+        interval
+            In s.
+        """
         lead = self.lead(interval)
         parts = [motion[:, lead:] for motion in self.motions(values, u, interval)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)

@@ -104,6 +104,17 @@ def with_fine_steps(
 
     The change is the RMS change of the output at the parameter ``values``. A sample is integrated
     in at ``most`` so many steps, even if the tolerance is not reached.
+
+    Parameters
+    ----------
+    values
+        Of all parameters, shape (parameters,).
+    u
+        Input (n,), of several inputs (n, inputs).
+    interval
+        Between samples, in s.
+    tolerance
+        In units of the output.
     """
     coarse = extended.simulate(values, u, interval)
     for substeps in (s for s in _SUBSTEPS if extended.substeps < s <= most):
@@ -148,7 +159,8 @@ def measured_scales(
 ) -> Scales:
     """Return the scales of a record and of the motion of its simulation at ``values``.
 
-    Those of the input are of number ``at_input``, those of the motion at one ``force_port``.
+    Those of the input are of number ``at_input``, those of the motion at one ``force_port``; both
+    count from 0. ``values`` (parameters,) are those of all parameters.
     """
     own = extended.simulation
     z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
@@ -179,7 +191,8 @@ def motion(
 ) -> tuple[float, float]:
     """Return the lowest and highest normalised position at a force port, without any effect.
 
-    It is simulated at ``values``; where it hardly moves there, at the prior means.
+    It is simulated at ``values`` (parameters,); where it hardly moves there, at the prior means.
+    ``force_port`` counts from 0.
     """
     port = extended.simulation.force_ports[force_port]
     prior = extended.values(np.zeros(extended.free.size))
@@ -197,7 +210,10 @@ def motion(
 
 
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
-    """Return the slowest time constant (s) of the simulation at its start under the mean input."""
+    """Return the slowest time constant (s) of the simulation at its start under the mean input.
+
+    0 where no mode decays. ``u`` is the input (n,), of several inputs (n, inputs).
+    """
     own = extended.simulation
     x = np.array([state.initial for state in own.states])
     f0, f1 = np.empty(x.size), np.empty(x.size)

@@ -35,6 +35,11 @@ def usual_interval(time: Array) -> float:
 
     The least-squares slope over the samples counted in median steps, so that neither a gap nor
     jitter shifts it; in four digits where these place the last sample as well.
+
+    Parameters
+    ----------
+    time
+        Ascending, shape (samples,), two at least.
     """
     steps = np.diff(time)
     count = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(steps / np.median(steps)), 1.0))])
@@ -45,12 +50,20 @@ def usual_interval(time: Array) -> float:
 
 
 def samples_per_interval(time: Array, interval: float) -> int:
-    """Return how many samples of a record's own rate an interval holds, rounded, one at least."""
+    """Return how many samples of a record's own rate an interval holds, rounded, one at least.
+
+    Parameters
+    ----------
+    time
+        Ascending, shape (samples,), two at least.
+    interval
+        In units of ``time``.
+    """
     return max(round(interval / usual_interval(time)), 1)
 
 
 def check_order(time: Array) -> None:
-    """Refuse times that do not ascend.
+    """Refuse times (samples,) in s that do not ascend.
 
     Raises
     ------

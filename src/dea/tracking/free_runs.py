@@ -45,6 +45,8 @@ def compare_free_runs(
 
     Parameters
     ----------
+    model
+        The fixed model.
     tracks
         Results of :func:`dea.tracking.track_parameters` by name.
     u, y
@@ -61,6 +63,11 @@ def compare_free_runs(
         parameters' own is withheld; ``rmse(simulation)`` in output units,
         ``nmse(simulation)`` and ``nmse_frozen(simulation)``, where nmse is the squared error over
         that of the mean. A run that diverges is ``inf`` from there on and so is its error.
+
+    Raises
+    ------
+    InputError
+        If the window is no longer than the largest lag, or the record does not fit the model.
     """
     signals = normalised_signals(model, u, y)
     inputs, outputs, seen = signals

@@ -83,7 +83,7 @@ def smooth(
 def log_likelihood(
     Phi: Array, y: Array, noise_ratio: Array, *, theta_0: Array, prior_variance: Array | float
 ) -> tuple[float, Array]:
-    """Return the log-likelihood of q, sigma^2 concentrated out, and its gradient by q.
+    """Return the log-likelihood of q, sigma^2 concentrated out, and its gradient (p,) by q.
 
     Parameters are those of :func:`smooth`; constants that do not depend on q are left out.
     """

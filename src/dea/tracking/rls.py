@@ -184,7 +184,15 @@ def _weighted_squares(
 
 
 def initial_state(theta_0: Array, target: Array, delta: float) -> RlsState:
-    """Return the state before the first sample, its arrays new."""
+    """Return the state before the first sample, its arrays new.
+
+    Parameters
+    ----------
+    theta_0, target
+        The first estimate, and what the leakage pulls to, shape (p,) each.
+    delta
+        As for :func:`recursive_least_squares`.
+    """
     p = theta_0.size
     return RlsState(
         np.sqrt(delta) * np.eye(p),
@@ -237,6 +245,15 @@ def update(
     """Pass one sample through the recursion, in place; return its prediction error.
 
     The equation of an output that is NaN is left out: its prediction error is NaN, too.
+
+    Parameters
+    ----------
+    state
+        Changed in place.
+    phi, y
+        Regressors (p,) and output of the sample.
+    forgetting, leakage, target
+        As for :func:`recursive_least_squares`; the target has the shape (p,).
     """
     U, z, V, theta, sums, row = state
     p = z.size
