@@ -1,41 +1,17 @@
 """When a question counts as decided."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_outcomes import DRIFTING, knowledge, resolution_of
 
-from dea.discrepancy import NamedEffect, Reason, Rules, Settings, Verdict, read_verdict
-from dea.resolution import (
-    ANOTHER,
-    Design,
-    Knowledge,
-    Options,
-    Resolution,
-    ResolutionOutcome,
-    ResolutionRound,
-    resolution_dataset,
-)
+from dea import store
+from dea.discrepancy import Reason, Rules, Settings, read_verdict
+from dea.resolution import ANOTHER, Options, ResolutionOutcome, resolution_dataset
 from dea.resolution.posterior import Posterior
 from dea.resolution.weighing import _explanations, _offered, _parts, _prior, learnt
 from dea.stages.resolve import said
-
-DRIFTING = "a+baseline_drift"
-PRIOR = {"none": 0.1, "a": 0.4, "b": 0.2, "a+b": 0.1, DRIFTING: 0.1, ANOTHER: 0.1}
-
-
-def knowledge(now, status="named", names=("a",), whole=True, reason=None):
-    verdict = SimpleNamespace(status=status, names=names, whole=whole)
-    diagnosis = SimpleNamespace(verdict=verdict, decision=SimpleNamespace(reason=reason))
-    explanations = {
-        name: SimpleNamespace(effects=frozenset(name.split("+")) - {"none"})
-        for name in PRIOR
-        if name != ANOTHER
-    }
-    logs = dict.fromkeys(PRIOR, -np.inf) | {name: np.log(value) for name, value in now.items()}
-    posterior = Posterior({name: np.log(value) for name, value in PRIOR.items()}, logs)
-    return Knowledge((), diagnosis, explanations, posterior, None)
 
 
 @pytest.mark.parametrize(
@@ -73,33 +49,31 @@ def test_what_is_left_follows_the_level():
 @pytest.mark.parametrize(
     ("outcome", "status", "sentence"),
     [
+        (ResolutionOutcome.DECIDED, "named", "It is a."),
+        (ResolutionOutcome.PART, "named", "It is a."),
+        (ResolutionOutcome.OPEN, "named", "It is a."),
         (ResolutionOutcome.OUTSIDE, "unknown", "No effect of the catalogue explains"),
         (ResolutionOutcome.ALONE, "none", "The simulation alone explains"),
+        (ResolutionOutcome.CONTRADICTED, "unknown", "makes the error on a fresh record larger"),
     ],
 )
-def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, sentence):
-    """Neither by the line that is said, nor by the dataset, nor by the verdict that is kept."""
-    effect = NamedEffect("a", "input", "lag", {}, 2.0, 1.0, (0.7, 0.6, 0.8))
-    named = Verdict("named", "It is a.", (effect,), {}, 0.1, {}, "mm")
-    found = knowledge({ANOTHER: 1.0})
-    rmse = SimpleNamespace(seen_rmse=lambda residual: residual)
-    diagnosis = SimpleNamespace(
-        verdict=named, problem=rmse, units=("V", "mm"),
-        nominal=SimpleNamespace(residual=2.0), extended=SimpleNamespace(residual=1.0),
-    )  # fmt: skip
-    first = replace(found, diagnosis=diagnosis)
-    last = replace(first, withdrawn=outcome)
-    design = Design(np.zeros(3), -1.0, ("a", "b"), 1.0, "free")
-    whole = Resolution(first, (ResolutionRound(1, design, {}, first, last),), outcome)
-    dataset = resolution_dataset(whole, 0.01)
-    assert list(dataset["names"].values) == ["a", ""]
+def test_what_is_written_of_an_outcome_holds_a_name_only_where_it_stands(
+    tmp_path, outcome, status, sentence
+):
+    """So do the line that is said, the dataset, and the verdict that is kept."""
+    found = resolution_of(outcome)
+    store.write(resolution_dataset(found, 0.01), tmp_path / "resolution.nc", title="a film")
+    dataset = store.read(tmp_path / "resolution.nc")
+    named = status == "named"
+    assert dataset.attrs["outcome"] == outcome
+    assert list(dataset["names"].values) == ["a", "a" if named else ""]
     assert list(dataset["status"].values) == ["named", status]
-    assert list(dataset["error_after"].values) == [1.0, 2.0]
-    for words in (dataset.attrs["sentence"], said("film", whole)):
+    assert list(dataset["error_after"].values) == [1.0, 1.0 if named else 2.0]
+    for words in (dataset.attrs["sentence"], said("film", found)):
         assert sentence in words
-        assert "It is a." not in words
-    last.verdict.write(tmp_path / "verdict.json")
-    assert read_verdict(tmp_path / "verdict.json").names == ()
+        assert ("It is a." in words) is named
+    found.last.verdict.write(tmp_path / "verdict.json")
+    assert read_verdict(tmp_path / "verdict.json").names == (("a",) if named else ())
 
 
 def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offered():
