@@ -268,9 +268,10 @@ def test_a_fresh_record_can_withdraw_a_name(monkeypatch, after, outcome, status)
     found, _ = solved_once("sensor_lag")
     certified = Certified(1.0, after, 100)
     monkeypatch.setattr(rounds, "certify_elsewhere", lambda *arguments: {"fresh": certified})
-    again = rounds._certified(
-        found, InMemory(DEVICES["sensor_lag"]), CARRIAGE, LIMITS, SETTINGS, OPTIONS
-    )
+    source = InMemory(DEVICES["sensor_lag"])
+    source.keep(found.rounds[-1])
+    again = rounds._certified(found, source, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
+    assert source.kept[-1].after.verdict.status == status
     assert (again.outcome, again.certificate) == (outcome, certified)
     assert again.last.verdict.status == status
     assert resolution_dataset(again, OPTIONS.level)["status"].values[-1] == status

@@ -180,5 +180,6 @@ def _certified(
         last = found.rounds[-1]
         after = replace(last.after, withdrawn=ResolutionOutcome.CONTRADICTED)
         rounds = (*found.rounds[:-1], replace(last, after=after))
+        source.keep(rounds[-1])
         found = replace(found, rounds=rounds, outcome=ResolutionOutcome.CONTRADICTED)
     return replace(found, certificate=certified)
