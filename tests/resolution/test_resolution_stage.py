@@ -9,14 +9,16 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 import yaml
-from made_devices import INTERVAL, LIMITS, hidden
+from made_devices import INTERVAL, LIMITS, as_record, hidden
+from made_outcomes import resolution_of
 
 import made_carriage
 from dea import archive, modbus, store
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
+from dea.discrepancy import read_verdict
 from dea.errors import DeviceError, InputError
-from dea.resolution import CERTIFICATE, Design
+from dea.resolution import CERTIFICATE, Design, ResolutionOutcome
 from dea.stages.resolve import Driven, _of_device, main, resolve
 
 pytestmark = pytest.mark.usefixtures("few_excitations")
@@ -30,9 +32,9 @@ COLUMNS = {
 DEVICE = hidden("transport_delay", [0.15])
 
 
-def kept(folder, name, u, seed):
+def kept(folder, name, u, seed, device=DEVICE):
     """Record the device by hand, as a file beside the case and as the workflow imports it."""
-    record = DEVICE(u, seed)
+    record = device(u, seed)
     for variable in ("input", "output"):
         record[variable].attrs["long_name"] = variable
     record["time"].attrs["long_name"] = "time"
@@ -70,11 +72,15 @@ def case(tmp_path, monkeypatch):
     return file
 
 
-def hand_in(file, key, u, seed):
+def hand_in(file, key, u, seed, device=DEVICE):
     content = yaml.safe_load(file.read_text())
-    record = kept(Path("results/carriage/further"), key, u, seed)
+    record = kept(Path("results/carriage/further"), key, u, seed, device)
     content.setdefault("records", {})[key] = record
     file.write_text(yaml.safe_dump(content))
+
+
+def other_way_round(u, seed):
+    return as_record(u, -DEVICE(u, seed)["output"].values)
 
 
 @pytest.mark.slow
@@ -115,6 +121,44 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     assert found["names"].values[-1] == "transport_delay"
     assert (folder / "probability.pdf").stat().st_size > 1000
     assert "carriage" in (folder.parent / "rounds.md").read_text()
+    hand_in(
+        case,
+        "resolve_fresh",
+        fresh,
+        2,
+        lambda u, seed: as_record(u, -DEVICE(u, seed)["output"].values),
+    )
+    main(["carriage", "--threads", "1"])
+    assert "contradicted: 1 designed record," in capsys.readouterr().out
+    assert store.read(folder / "resolution.nc")["names"].values[-1] == ""
+    assert read_verdict(folder / "round_1/verdict.json").names == ()
+
+
+def test_a_run_that_fails_leaves_nothing_that_an_earlier_one_decided(case, monkeypatch):
+    hand_in(case, "resolve_1", np.zeros(3), 1)
+    found = resolution_of(ResolutionOutcome.DECIDED)
+    monkeypatch.setattr("dea.resolution.resolve", lambda *given, **options: found)
+    resolve("carriage", "me", 1)
+    folder = Path("results/resolve/carriage")
+    shutil.copytree(folder, folder.with_name("another"))
+    found.last.verdict.write(folder / "round_1/verdict.json")
+    (folder / "round_1/posterior.json").touch()
+    (folder / "round_1/design.json").touch()
+    assert "decided" in (folder.parent / "rounds.csv").read_text()
+    monkeypatch.setattr("dea.resolution.resolve", Mock(side_effect=KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        resolve("carriage", "me", 1)
+    assert [str(file.relative_to(folder)) for file in folder.rglob("*.*")] == [
+        "round_1/design.json"
+    ]
+    for kind in ("csv", "md", "tex"):
+        table = (folder.parent / f"rounds.{kind}").read_text()
+        assert "carriage" not in table
+        assert "another" in table
+    (folder.parent / "another/resolution.nc").unlink()
+    with pytest.raises(KeyboardInterrupt):
+        resolve("carriage", "me", 1)
+    assert not list(folder.parent.glob("rounds.*"))
 
 
 @pytest.mark.parametrize(

@@ -76,11 +76,11 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         limits = _of_records(study, records)
         source = ByHand(folder, first, limits, further, case, CASES / f"{name}.yaml")
     withdraw()
+    _withdraw_found(folder)
     found = resolution.resolve(
         records, simulation, source, limits,
         settings=Settings.of(leaves), options=options, workers=threads,
     )  # fmt: skip
-    source.finish(found)
     driven = [each.number for each in found.rounds]
     driven += [CERTIFICATE] if found.certificate else []
     store.write(
@@ -95,21 +95,43 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         settings=leaves,
         seed=study.seed,
     )
-    _show_rounds(folder, study.figures.resolution)
+    _draw(folder, study.figures.resolution)
+    _tabulate(folder.parent)
+    source.finish(found)
     return found
 
 
-def _show_rounds(folder: Path, dots_per_inch: int) -> None:
-    """Draw the figure of a system, and write the table of all systems that were resolved."""
+def _withdraw_found(folder: Path) -> None:
+    """Remove what an earlier run has found, which one that fails must not leave as its own."""
+    found = ("resolution.nc", "probability.*", "*/verdict.json", "*/posterior.json")
+    for pattern in found:
+        for file in folder.glob(pattern):
+            file.unlink()
+    _tabulate(folder.parent)
+
+
+def _draw(folder: Path, dots_per_inch: int) -> None:
+    """Draw the figure of a system."""
     from dea.figures import style
     from dea.figures.resolution import resolution as drawn
+
+    paths = [folder / f"probability.{kind}" for kind in ("png", "pdf")]
+    found = store.read(folder / "resolution.nc")
+    style.save(drawn(found, folder.name), paths, dots_per_inch)
+
+
+def _tabulate(folder: Path) -> None:
+    """Write the table of all systems that were resolved; where none was, there is none."""
     from dea.tables.resolution import resolution as tabulated
     from dea.tables.table import save
 
-    every = store.Sources(sorted(folder.parent.glob("*/resolution.nc"))).datasets("resolution")
-    paths = [folder / f"probability.{kind}" for kind in ("png", "pdf")]
-    style.save(drawn(every[folder.name], folder.name), paths, dots_per_inch)
-    save(tabulated(every), *(folder.parent / f"rounds.{kind}" for kind in ("csv", "md", "tex")))
+    files = [folder / f"rounds.{kind}" for kind in ("csv", "md", "tex")]
+    every = store.Sources(sorted(folder.glob("*/resolution.nc"))).datasets("resolution")
+    if every:
+        save(tabulated(every), *files)
+        return
+    for file in files:
+        file.unlink(missing_ok=True)
 
 
 def _no_such(name: str, known: Sequence[str]) -> InputError:
