@@ -1,5 +1,6 @@
 """The command: records by hand for a case, and driven ones for an actuator."""
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +9,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from made_devices import INTERVAL, LIMITS, as_record, hidden
 from made_outcomes import resolution_of
@@ -204,6 +206,12 @@ def test_a_case_without_physics_and_a_changed_excitation_are_refused(case, capsy
     assert Path("results/MANIFEST.json").exists()
 
 
+def begin_from(file, seed=0, **attributes):
+    """Write the first record of an actuator."""
+    u = np.sin(np.arange(60) / 10)
+    store.write(DEVICE(u, seed).assign_attrs(attributes), file, title="The first record")
+
+
 @pytest.fixture
 def source(tmp_path, monkeypatch, serve_bench):
     """Return what makes the source of records of an actuator: hardware, or virtual."""
@@ -222,8 +230,7 @@ def source(tmp_path, monkeypatch, serve_bench):
     study = check_study(content)
     Path("config/config.yaml").write_text(yaml.safe_dump(content))
     first = Path("results/film1/record.nc")
-    first.parent.mkdir(parents=True)
-    first.write_bytes(b"the first record")
+    begin_from(first)
 
     def make(name):
         actuator = next(each for each in study.actuators if each.name == name)
@@ -284,8 +291,47 @@ def test_a_record_that_another_first_record_led_to_is_not_taken(source):
     with archive.unfinished("film1") as folder:
         archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
     assert own.recorded(CERTIFICATE)
-    own.first.write_bytes(b"the device a year later")
+    begin_from(own.first, seed=1)
     assert not own.recorded(CERTIFICATE)
+
+
+def test_a_first_record_is_known_by_its_signals(source):
+    """Versions, jobs and names for people change when the project is updated or a case edited."""
+    own = source("film1")
+    made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
+    own.design(1, lambda: made)
+    played = own._settings(1)
+    with archive.unfinished("film1") as folder:
+        archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
+    begin_from(own.first, job="made by another version")
+    with xr.open_dataset(own.first) as written:
+        record = written.load()
+    record["output"].attrs["long_name"] = "position of the carriage"
+    store.write(record, own.first, title="renamed")
+    assert own.recorded(1)
+    np.testing.assert_array_equal(own.design(1, lambda: None).u, made.u)
+    record["output"].attrs["units"] = "mm"
+    store.write(record, own.first, title="other units")
+    assert not own.recorded(1)
+    with pytest.raises(InputError, match=r"designed for another record than results/film1/record"):
+        own.design(1, lambda: made)
+
+
+def test_what_names_the_file_of_its_first_record_is_found(source):
+    """As records in `records/` do that were made when the file was what identified it."""
+    own = source("film1")
+    made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
+    own.design(1, lambda: made)
+    file = own.place(1) / "design.json"
+    of_file = {"first_record": store.sha256(own.first)}
+    file.write_text(json.dumps(json.loads(file.read_text()) | of_file))
+    played = own._settings(1) | of_file
+    with archive.unfinished("film1") as folder:
+        archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
+    assert own.recorded(1)
+    np.testing.assert_array_equal(own.design(1, lambda: None).u, made.u)
+    begin_from(own.first, job="written anew")
+    assert not own.recorded(1)
 
 
 @pytest.mark.slow
@@ -315,8 +361,12 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(source):
     kept = own.design(1, lambda: made)
     np.testing.assert_array_equal(kept.u, made.u)
     assert (kept.closest, kept.distance) == (("a", "b"), 3.0)
-    own.first.write_bytes(b"another record")
+    begin_from(own.first, seed=1)
     with pytest.raises(InputError, match="designed for another record"):
+        own.design(1, lambda: made)
+    begin_from(own.first)
+    put(own, 1, np.linspace(1.2, 1.4, 40))
+    with pytest.raises(InputError, match="is not the excitation that was designed"):
         own.design(1, lambda: made)
 
 

@@ -1,5 +1,6 @@
 """Designs of records and what they have found, as files: what was made is not made again."""
 
+import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -53,7 +54,7 @@ class Kept:
         file.unlink(missing_ok=True)
         self.write_table(table, made.u)
         said = asdict(made) | {
-            "first_record": store.sha256(self.first),
+            "first_record": self.first_digest(),
             "sha256": store.sha256(table),
         }
         del said["u"]
@@ -61,19 +62,44 @@ class Kept:
         return self.kept(number)
 
     def kept(self, number: int) -> Design:
-        """Return the design that is kept, if it rests on the same record."""
+        """Return the design that is kept, if it rests on the same record.
+
+        Raises
+        ------
+        InputError
+            If it rests on another, or its excitation is not the one that was designed.
+        """
         file = self.place(number) / "design.json"
         table = file.with_name("excitation.csv")
         said = json.loads(file.read_text())
-        begun = store.sha256(self.first)
-        if said.pop("first_record") != begun or said.pop("sha256") != store.sha256(table):
+        if not self.is_first(said.pop("first_record")):
             raise InputError(
-                "it was designed for another record, or its excitation was changed",
+                f"it was designed for another record than {self.first} holds now",
                 file=file,
                 remedy=f"Move {self.folder} away; records of hardware stay in {archive.ROOT}",
             )
+        if said.pop("sha256") != store.sha256(table):
+            raise InputError(
+                "it is not the excitation that was designed",
+                file=table,
+                remedy=f"Bring it back from a backup, or delete {file.parent} to design it again",
+            )
         u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
         return Design(**said | {"u": u, "closest": tuple(said["closest"])})
+
+    def first_digest(self) -> str:
+        """Return the SHA-256 of the first record's signals and units.
+
+        Its file also holds what an update of the project, or another name, changes.
+        """
+        return _digest(store.signals(store.read_record(self.first)))
+
+    def is_first(self, sha: str) -> bool:
+        """Return whether this is the SHA-256 of the first record, or of its file.
+
+        Archived records and designs may name either.
+        """
+        return sha in (self.first_digest(), store.sha256(self.first))
 
     def keep(self, found: ResolutionRound) -> None:
         """Write the verdict and the probabilities after a round."""
@@ -104,6 +130,14 @@ def excitation_table(u: np.ndarray, sampling_rate: float, units: str) -> str:
     """Return the excitation as CSV with times in s; reading it back gives the same numbers."""
     rows = (f"{k / sampling_rate:.9g},{value!r}" for k, value in enumerate(u.tolist()))
     return "\n".join([f"time (s),input ({units})", *rows]) + "\n"
+
+
+def _digest(record: store.Record) -> str:
+    """Return the SHA-256 of times, inputs, outputs and their units."""
+    found = hashlib.sha256(json.dumps([record.u_units, record.y_units]).encode())
+    for signal in (record.time, record.u, record.y):
+        found.update(np.ascontiguousarray(signal, float).tobytes())
+    return found.hexdigest()
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:

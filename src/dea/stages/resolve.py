@@ -197,7 +197,7 @@ class Driven(Kept):
             "system": self.actuator.name,
             "excitation_name": f"{DESIGNED}{number}",
             "excitation_sha256": store.sha256(self.place(number) / "excitation.csv"),
-            "first_record": store.sha256(self.first),
+            "first_record": self.first_digest(),
             "acquisition": written(self.study.acquisition),
         }
 
@@ -241,14 +241,14 @@ class Driven(Kept):
 
     def _archived(self, settings: Mapping[str, Any]) -> list[Path]:
         """Return the folders of the records that this excitation and first record led to."""
-        asked = ("excitation_sha256", "first_record")
         folders = archive.finished(self.actuator.name, settings["excitation_name"])
         kept = [(folder, archive.manifest(folder)) for folder in folders]
         return [
             folder
             for folder, content in kept
             if archive.FAULT not in content
-            and all(content["settings"].get(key) == settings[key] for key in asked)
+            and content["settings"].get("excitation_sha256") == settings["excitation_sha256"]
+            and self.is_first(content["settings"].get("first_record"))
         ]
 
 
