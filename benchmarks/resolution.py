@@ -9,13 +9,14 @@ fixed form alone, and with random ones.
 import argparse
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from benchmarks import stored
 from benchmarks.command_line import add_store, positive, run
@@ -42,7 +43,12 @@ class Film:
     trial: Trial
     driven: list[Record] = field(default_factory=list)
 
-    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
+    def design(
+        self,
+        number: int,
+        records: Sequence[Record | xr.Dataset],
+        make: Callable[[], Design | None],
+    ) -> Design | None:
         """Return a new design."""
         return make()
 

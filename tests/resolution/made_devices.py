@@ -46,7 +46,7 @@ class InMemory:
     records: dict = field(default_factory=dict)
     kept: list = field(default_factory=list)
 
-    def design(self, number, make):
+    def design(self, number, records, make):
         if number not in self.designs:
             self.designs[number] = make()
         return self.designs[number]

@@ -140,8 +140,10 @@ def test_a_run_that_fails_leaves_nothing_that_an_earlier_one_decided(case, monke
     hand_in(case, "resolve_1", np.zeros(3), 1)
     found = resolution_of(ResolutionOutcome.DECIDED)
     monkeypatch.setattr("dea.resolution.resolve", lambda *given, **options: found)
+    monkeypatch.setattr("dea.stages.resolve._draw", lambda *given: None)
     resolve("carriage", "me", 1)
     folder = Path("results/resolve/carriage")
+    (folder / "probability.png").touch()
     shutil.copytree(folder, folder.with_name("another"))
     found.last.verdict.write(folder / "round_1/verdict.json")
     (folder / "round_1/posterior.json").touch()
@@ -161,6 +163,97 @@ def test_a_run_that_fails_leaves_nothing_that_an_earlier_one_decided(case, monke
     with pytest.raises(KeyboardInterrupt):
         resolve("carriage", "me", 1)
     assert not list(folder.parent.glob("rounds.*"))
+
+
+def edited(file, *keys, value):
+    """Give a key of a YAML file another value."""
+    content = yaml.safe_load(Path(file).read_text())
+    place = content
+    for key in keys[:-1]:
+        place = place.setdefault(key, {})
+    place[keys[-1]] = value
+    Path(file).write_text(yaml.safe_dump(content))
+
+
+def designed_anew(name, monkeypatch):
+    """Resolve as far as the first design; return whether it was made in this run."""
+    made = Mock(return_value=Design(np.linspace(0.0, 0.1, 40), -5.0, ("a", "b"), 3.0, "free"))
+
+    def as_far_as_the_first_design(records, simulation, source, limits, **options):
+        source.design(1, records, made)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("dea.resolution.resolve", as_far_as_the_first_design)
+    with pytest.raises(KeyboardInterrupt):
+        resolve(name, "me", 1)
+    return made.called
+
+
+STUDY, CASE = "config/config.yaml", "config/cases/carriage.yaml"
+
+
+@pytest.mark.parametrize(
+    ("file", "keys", "value"),
+    [
+        (STUDY, ("resolution", "duration"), 3.0),
+        (STUDY, ("resolution", "output_margin"), 0.1),
+        (STUDY, ("resolution", "rate"), 30.0),
+        (STUDY, ("resolution", "level"), 0.05),
+        (STUDY, ("resolution", "first"), 1000),
+        (STUDY, ("seed",), 5),
+        (STUDY, ("discrepancy", "budget", "starts"), 3),
+        (CASE, ("split", "slowest_time"), 0.2),
+        (CASE, ("simulation",), "own.py"),
+    ],
+)
+def test_a_design_that_was_not_played_is_made_anew_for_other_settings(
+    case, monkeypatch, file, keys, value
+):
+    shutil.copy("carriage.py", "own.py")
+    assert designed_anew("carriage", monkeypatch)
+    assert not designed_anew("carriage", monkeypatch)
+    edited(file, *keys, value=value)
+    assert designed_anew("carriage", monkeypatch)
+    # What was played is what was designed then.
+    hand_in(case, "resolve_1", np.zeros(3), 1)
+    edited(STUDY, "seed", value=7)
+    assert not designed_anew("carriage", monkeypatch)
+
+
+def test_a_design_that_was_not_played_is_made_anew_for_other_physics_and_records(case, monkeypatch):
+    Path("damping.txt").write_text("0.5")
+    with Path("carriage.py").open("a") as simulation:
+        simulation.write("\nopen('damping.txt').close()\n")
+    assert designed_anew("carriage", monkeypatch)
+    assert not designed_anew("carriage", monkeypatch)
+    Path("damping.txt").write_text("0.6")
+    assert designed_anew("carriage", monkeypatch)
+    with Path("carriage.py").open("a") as simulation:
+        simulation.write("# another accuracy\n")
+    assert designed_anew("carriage", monkeypatch)
+    hand_in(case, "other", np.sin(np.arange(100) / 10), 1)
+    assert designed_anew("carriage", monkeypatch)
+    assert not designed_anew("carriage", monkeypatch)
+    edited(case, "title", value="A carriage with a name for people")
+    assert not designed_anew("carriage", monkeypatch)
+
+
+@pytest.mark.parametrize(
+    ("file", "keys", "value"),
+    [
+        ("config/devices/mine.yaml", ("registers", "output", "limits"), [0.0, 3.0]),
+        ("config/devices/mine.yaml", ("safety", "max_rate"), 100.0),
+        (STUDY, ("excitation", "record", "high"), 3.0),
+    ],
+)
+def test_a_design_that_was_not_driven_is_made_anew_for_other_limits_of_the_device(
+    source, monkeypatch, file, keys, value
+):
+    source("film1")
+    assert designed_anew("film1", monkeypatch)
+    assert not designed_anew("film1", monkeypatch)
+    edited(file, *keys, value=value)
+    assert designed_anew("film1", monkeypatch)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +329,7 @@ def source(tmp_path, monkeypatch, serve_bench):
         actuator = next(each for each in study.actuators if each.name == name)
         device = modbus.read_device(Path(actuator.device))
         folder = Path("results/resolve") / name
-        return Driven(folder, first, LIMITS, study, actuator, device, "A. Volta")
+        return Driven(folder, first, LIMITS, {}, study, actuator, device, "A. Volta")
 
     return make
 
@@ -299,7 +392,7 @@ def test_a_first_record_is_known_by_its_signals(source):
     """Versions, jobs and names for people change when the project is updated or a case edited."""
     own = source("film1")
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
-    own.design(1, lambda: made)
+    own.design(1, (), lambda: made)
     played = own._settings(1)
     with archive.unfinished("film1") as folder:
         archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
@@ -309,19 +402,19 @@ def test_a_first_record_is_known_by_its_signals(source):
     record["output"].attrs["long_name"] = "position of the carriage"
     store.write(record, own.first, title="renamed")
     assert own.recorded(1)
-    np.testing.assert_array_equal(own.design(1, lambda: None).u, made.u)
+    np.testing.assert_array_equal(own.design(1, (), lambda: None).u, made.u)
     record["output"].attrs["units"] = "mm"
     store.write(record, own.first, title="other units")
     assert not own.recorded(1)
     with pytest.raises(InputError, match=r"designed for another record than results/film1/record"):
-        own.design(1, lambda: made)
+        own.design(1, (), lambda: made)
 
 
 def test_what_names_the_file_of_its_first_record_is_found(source):
     """As records in `records/` do that were made when the file was what identified it."""
     own = source("film1")
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
-    own.design(1, lambda: made)
+    own.design(1, (), lambda: made)
     file = own.place(1) / "design.json"
     of_file = {"first_record": store.sha256(own.first)}
     file.write_text(json.dumps(json.loads(file.read_text()) | of_file))
@@ -329,7 +422,7 @@ def test_what_names_the_file_of_its_first_record_is_found(source):
     with archive.unfinished("film1") as folder:
         archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
     assert own.recorded(1)
-    np.testing.assert_array_equal(own.design(1, lambda: None).u, made.u)
+    np.testing.assert_array_equal(own.design(1, (), lambda: None).u, made.u)
     begin_from(own.first, job="written anew")
     assert not own.recorded(1)
 
@@ -358,45 +451,45 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(source):
     own = source("film1")
     own.write_table = lambda path, u: put(own, 1, u)
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
-    kept = own.design(1, lambda: made)
+    kept = own.design(1, (), lambda: made)
     np.testing.assert_array_equal(kept.u, made.u)
     assert (kept.closest, kept.distance) == (("a", "b"), 3.0)
     begin_from(own.first, seed=1)
     with pytest.raises(InputError, match="designed for another record"):
-        own.design(1, lambda: made)
+        own.design(1, (), lambda: made)
     begin_from(own.first)
     put(own, 1, np.linspace(1.2, 1.4, 40))
     with pytest.raises(InputError, match="is not the excitation that was designed"):
-        own.design(1, lambda: made)
+        own.design(1, (), lambda: made)
 
 
 def test_a_design_that_was_not_driven_obeys_the_limits_of_today(source):
     own = source("dea1")
     own.write_table = lambda path, u: put(own, 1, u)
     fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
-    own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
+    own.design(1, (), lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
     own.limits = replace(LIMITS, rate=10.0)
-    anew = own.design(1, lambda: Design(slow, -4.0, ("a", "b"), 2.0, "free"))
+    anew = own.design(1, (), lambda: Design(slow, -4.0, ("a", "b"), 2.0, "free"))
     np.testing.assert_array_equal(anew.u, slow)
     own.limits = replace(LIMITS, high=0.05)
-    assert own.design(1, lambda: None) is None
+    assert own.design(1, (), lambda: None) is None
     # What has been driven is kept, whatever the limits are now.
     (own.place(1) / "record.nc").touch()
-    np.testing.assert_array_equal(own.design(1, lambda: None).u, slow)
+    np.testing.assert_array_equal(own.design(1, (), lambda: None).u, slow)
 
 
 def test_a_design_whose_making_was_ended_is_made_anew(source, monkeypatch):
     own = source("dea1")
     own.write_table = lambda path, u: put(own, 1, u)
     fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
-    own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
+    own.design(1, (), lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
     own.limits = replace(LIMITS, rate=10.0)
     made = Design(slow, -4.0, ("a", "b"), 2.0, "free")
     with monkeypatch.context() as ended:
         ended.setattr("dea.resolution.kept._write_json", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
-            own.design(1, lambda: made)
-    np.testing.assert_array_equal(own.design(1, lambda: made).u, slow)
+            own.design(1, (), lambda: made)
+    np.testing.assert_array_equal(own.design(1, (), lambda: made).u, slow)
 
 
 def test_the_smaller_of_the_rates_that_are_given_holds(source):

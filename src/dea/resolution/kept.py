@@ -2,10 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,14 +16,21 @@ from dea.resolution.excitation import Limits
 from dea.resolution.question import CERTIFICATE
 from dea.resolution.rounds import ResolutionRound
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 @dataclass
 class Kept:
-    """Designs and findings in ``results/resolve/NAME/round_N/``; nothing there is made twice."""
+    """Designs and findings in ``results/resolve/NAME/round_N/``; nothing there is made twice.
+
+    ``settings`` are what designs follow from besides the limits and the records.
+    """
 
     folder: Path
     first: Path
     limits: Limits
+    settings: Mapping[str, Any]
 
     def place(self, number: int) -> Path:
         """Return the folder of a designed record."""
@@ -37,15 +44,23 @@ class Kept:
         """Return whether there is a record of the excitation that is kept."""
         raise NotImplementedError
 
-    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
-        """Return the design that is kept, if it rests on the same record, or make it.
+    def design(
+        self,
+        number: int,
+        records: "Sequence[store.Record | xr.Dataset]",
+        make: Callable[[], Design | None],
+    ) -> Design | None:
+        """Return the design that is kept, if it rests on the same first record, or make it.
 
-        One that has not been driven yet is made anew where today's limits forbid it.
+        One that has not been driven yet is made anew where anything has changed that it follows
+        from: limits, settings, or one of the ``records`` so far.
         """
         file = self.place(number) / "design.json"
-        kept = self.kept(number) if file.exists() else None
-        if kept is not None and (self.recorded(number) or self.limits.allows(kept.u)):
-            return kept
+        follows_from = self._follows_from(records)
+        if file.exists():
+            kept, followed_from = self._read(number)
+            if self.recorded(number) or followed_from == follows_from:
+                return kept
         made = make()
         if made is None:
             return None
@@ -56,22 +71,40 @@ class Kept:
         said = asdict(made) | {
             "first_record": self.first_digest(),
             "sha256": store.sha256(table),
+            "follows_from": follows_from,
         }
         del said["u"]
         _write_json(file, said)
         return self.kept(number)
 
+    def _follows_from(self, records: "Sequence[store.Record | xr.Dataset]") -> Any:
+        """Return what a design follows from, as it is read back from a file."""
+        signals = [
+            each if isinstance(each, store.Record) else store.signals(each) for each in records
+        ]
+        said = {
+            "limits": asdict(self.limits),
+            "records": list(map(_digest, signals)),
+            **self.settings,
+        }
+        return json.loads(json.dumps(said))
+
     def kept(self, number: int) -> Design:
-        """Return the design that is kept, if it rests on the same record.
+        """Return the design that is kept, if it rests on the same first record.
 
         Raises
         ------
         InputError
             If it rests on another, or its excitation is not the one that was designed.
         """
+        return self._read(number)[0]
+
+    def _read(self, number: int) -> tuple[Design, Any]:
+        """Return the design that is kept, and what it followed from."""
         file = self.place(number) / "design.json"
         table = file.with_name("excitation.csv")
         said = json.loads(file.read_text())
+        followed_from = said.pop("follows_from", None)
         if not self.is_first(said.pop("first_record")):
             raise InputError(
                 f"it was designed for another record than {self.first} holds now",
@@ -85,14 +118,14 @@ class Kept:
                 remedy=f"Bring it back from a backup, or delete {file.parent} to design it again",
             )
         u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
-        return Design(**said | {"u": u, "closest": tuple(said["closest"])})
+        return Design(**said | {"u": u, "closest": tuple(said["closest"])}), followed_from
 
     def first_digest(self) -> str:
         """Return the SHA-256 of the first record's signals and units.
 
         Its file also holds what an update of the project, or another name, changes.
         """
-        return _digest(store.signals(store.read_record(self.first)))
+        return _digest(store.read_record(self.first))
 
     def is_first(self, sha: str) -> bool:
         """Return whether this is the SHA-256 of the first record, or of its file.
@@ -132,10 +165,11 @@ def excitation_table(u: np.ndarray, sampling_rate: float, units: str) -> str:
     return "\n".join([f"time (s),input ({units})", *rows]) + "\n"
 
 
-def _digest(record: store.Record) -> str:
+def _digest(record: "store.Record | xr.Dataset") -> str:
     """Return the SHA-256 of times, inputs, outputs and their units."""
-    found = hashlib.sha256(json.dumps([record.u_units, record.y_units]).encode())
-    for signal in (record.time, record.u, record.y):
+    own = record if isinstance(record, store.Record) else store.signals(record)
+    found = hashlib.sha256(json.dumps([own.u_units, own.y_units]).encode())
+    for signal in (own.time, own.u, own.y):
         found.update(np.ascontiguousarray(signal, float).tobytes())
     return found.hexdigest()
 

@@ -70,8 +70,13 @@ class Resolution:
 class RecordSource(Protocol):
     """Where excitations are kept and records come from."""
 
-    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
-        """Return the design of a record: the one that is kept, or else a new one."""
+    def design(
+        self,
+        number: int,
+        records: "Sequence[Record | xr.Dataset]",
+        make: Callable[[], Design | None],
+    ) -> Design | None:
+        """Return the design that follows from the records so far: the one kept, or a new one."""
 
     def record(self, number: int, u: np.ndarray) -> "Record | xr.Dataset | None":
         """Return the record of an excitation; nothing where it is still to be made by hand."""
@@ -134,7 +139,9 @@ def resolve(
             break
         number = len(rounds) + 1
         design = source.design(
-            number, partial(next_design, known, limits, settings, options, number)
+            number,
+            known.records,
+            partial(next_design, known, limits, settings, options, number),
         )
         if design is None:
             halted = f"Record {number} is not driven: {_NOWHERE}"
@@ -167,7 +174,9 @@ def _certified(
     if not transferable(diagnosis.final.extended):
         return found
     design = source.design(
-        CERTIFICATE, partial(fresh_design, found.last, limits, settings, options)
+        CERTIFICATE,
+        found.last.records,
+        partial(fresh_design, found.last, limits, settings, options),
     )
     if design is None:
         return replace(found, halted=f"The name is not certified: {_NOWHERE}")

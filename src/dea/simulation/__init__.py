@@ -3,6 +3,7 @@
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
 from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation, samples_of_each
+from dea.simulation.files_read import files_read
 from dea.simulation.force_port import ForcePort
 from dea.simulation.inputs import Input
 from dea.simulation.interpolation import InputInterpolation, at_steps
@@ -44,6 +45,7 @@ __all__ = [
     "State",
     "at_steps",
     "catalogue",
+    "files_read",
     "law_courses",
     "load_extended",
     "load_simulation",

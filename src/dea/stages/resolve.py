@@ -1,9 +1,10 @@
 """Leave one explanation, by designed records: ``python -m dea.stages.resolve --help``."""
 
 import argparse
+import hashlib
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ from dea.discrepancy import Settings
 from dea.errors import InputError
 from dea.progress import heard_by, part_of
 from dea.resolution import CERTIFICATE, ByHand, Kept, Limits, Options, Resolution, record_key
+from dea.simulation import Simulation, files_read, load_simulation
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,8 +57,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         acquisition.refuse_unarmed(device, operator or study.acquisition.armed_by)
     records = [store.read_record(first).isel(time=slice(study.resolution.first))]
     leaves = written(study) | {"system": name, "split": {}}
-    simulation = study.discrepancy.simulation
-    source: Driven | ByHand
+    named = study.discrepancy.simulation
     given: list[str] = []
     options = Options(
         study.resolution.records,
@@ -64,22 +65,32 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         study.resolution.level,
         study.resolution.another,
     )
-    if device is not None:
-        limits = _of_device(study, device, records[0])
-        source = Driven(folder, first, limits, study, actuators[name], device, operator)
-    else:
+    if device is None:
         case = cases[name]
-        simulation = simulation_of(case, CASES / f"{name}.yaml")
+        named = simulation_of(case, CASES / f"{name}.yaml")
         leaves["split"] = written(case.split) if case.split else {}
         given = [key for key in case.records if not key.startswith(DESIGNED)]
         records += [store.read_record(further / f"{key}.nc") for key in given]
+    simulation, files = _simulation(named)
+    settings = Settings.of(leaves)
+    asked: dict[str, Any] = {
+        "options": asdict(options),
+        "settings": asdict(settings),
+        "simulation": files,
+    }
+    source: Driven | ByHand
+    if device is not None:
+        limits = _of_device(study, device, records[0])
+        asked["device"] = hashlib.sha256(device.described.encode()).hexdigest()
+        source = Driven(folder, first, limits, asked, study, actuators[name], device, operator)
+    else:
         limits = _of_records(study, records)
-        source = ByHand(folder, first, limits, further, case, CASES / f"{name}.yaml")
+        source = ByHand(folder, first, limits, asked, further, case, CASES / f"{name}.yaml")
     withdraw()
     _withdraw_found(folder)
     found = resolution.resolve(
         records, simulation, source, limits,
-        settings=Settings.of(leaves), options=options, workers=threads,
+        settings=settings, options=options, workers=threads,
     )  # fmt: skip
     driven = [each.number for each in found.rounds]
     driven += [CERTIFICATE] if found.certificate else []
@@ -99,6 +110,14 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     _tabulate(folder.parent)
     source.finish(found)
     return found
+
+
+def _simulation(named: str) -> tuple[Simulation, dict[str, Any]]:
+    """Return a simulation, and its name with the SHA-256 of each file of a user's it rests on."""
+    with files_read() as read:
+        found = load_simulation(named)
+    files = {Path(found.source), *read} if found.source else read
+    return found, {"name": named, "files": {str(file): store.sha256(file) for file in files}}
 
 
 def _withdraw_found(folder: Path) -> None:
