@@ -279,6 +279,38 @@ def test_descriptions_that_were_edited_before_another_run_are_named(study):
     }
 
 
+@pytest.mark.parametrize("without", ["repository", "program"])
+def test_a_copy_without_its_history_passes_with_a_note(study, monkeypatch, capsys, without):
+    if without == "repository":
+        shutil.rmtree(".git")
+    else:
+        monkeypatch.setenv("PATH", "")
+    main([])
+    note = "no commit was looked up"
+    assert note in capsys.readouterr().out
+    assert note in Path("results/audit.md").read_text()
+    overwrite("src/draw.py", b"edited\n")
+    assert first().path == "src/draw.py"
+
+
+def test_a_copy_inside_another_repository_passes(study, monkeypatch):
+    copy = Path("vendored")
+    copy.mkdir()
+    for path in ("src", "config", "results", "environment.txt"):
+        Path(path).rename(copy / path)
+    shutil.rmtree(".git")
+    subprocess.run(["git", "init", "-q"], check=True)
+    monkeypatch.chdir(copy)
+    assert verify(Manifest.read()) == []
+
+
+def test_a_commit_that_a_shallow_clone_lacks_is_named_with_its_remedy(study):
+    shutil.rmtree(".git")
+    subprocess.run(["git", "init", "-q"], check=True)
+    assert first().path == os.environ[provenance.COMMIT]
+    assert "git fetch --unshallow" in first().problem
+
+
 def test_a_commit_that_was_edited_before_another_run_is_named(study):
     file = provenance.description_of(Path("results/tables/table1.csv"))
     commit = os.environ[provenance.COMMIT]

@@ -15,7 +15,7 @@ from dea.audit import quotations
 from dea.audit.manifest import FILE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
-from dea.audit.verify import resting_on, verify
+from dea.audit.verify import notes, resting_on, verify
 from dea.errors import InputError
 
 SHOWN = 10  # results and sentences named on the terminal; the page names all
@@ -57,6 +57,8 @@ def main(arguments: list[str] | None = None) -> None:
             f"{len(manifest.products)} results of {len(manifest.jobs)} jobs are what they were made"
             " as; see results/audit.md"
         )
+        for note in notes(manifest):
+            print(note)
         return
     first = findings[0]
     print(f"broken: {first.path}: {first.problem}")

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from dea.audit import quotations
 from dea.audit.manifest import Manifest
-from dea.audit.verify import Finding, resting_on
+from dea.audit.verify import Finding, notes, resting_on
 
 
 def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str]) -> str:
@@ -32,6 +32,7 @@ def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str
         *(f"| commit `{commit}` | {count} |" for commit, count in sorted(commits.items())),
         *(f"| {processor} | {count} |" for processor, count in sorted(processors.items())),
         "",
+        *(line for note in notes(manifest) for line in (note, "")),
     ]
     if repeated:
         lines += ["## Made again", "", *(f"- {products}" for products in repeated), ""]

@@ -39,6 +39,16 @@ def verify(manifest: Manifest) -> list[Finding]:
     return sorted(dict.fromkeys(found), key=lambda one: rank.get(one.path, -1))
 
 
+def notes(manifest: Manifest) -> list[str]:
+    """Return sentences on what could not be compared, and does not have to be."""
+    if _is_repository() or all(_held(commit) is not None for commit in _commits(manifest)):
+        return []
+    return [
+        "This folder is no Git repository, so that no commit was looked up: the code was compared"
+        " by its SHA-256."
+    ]
+
+
 def in_order(manifest: Manifest) -> list[str]:
     """Return the products, each after those that it was made from."""
     ordered: list[str] = []
@@ -155,20 +165,49 @@ def _code(manifest: Manifest) -> Iterator[Finding]:
             yield Finding(path, "is missing")
         elif provenance.digest(Path(path)) != sha:
             yield Finding(path, "has changed since results were made with it")
-    for commit in sorted({job["run"]["commit"] for job in manifest.jobs.values()}):
-        # Of a tree with changes, or outside of a repository, no commit says what the code was.
-        if re.fullmatch("[0-9a-f]{40}", commit):
-            yield from _committed(commit, manifest)
+    for commit in _commits(manifest):
+        yield from _committed(commit, manifest)
+
+
+def _commits(manifest: Manifest) -> list[str]:
+    """Return the commits that say what the code was."""
+    commits = {job["run"]["commit"] for job in manifest.jobs.values()}
+    # Of a tree with changes, or outside of a repository, no commit says it.
+    return sorted(each for each in commits if re.fullmatch("[0-9a-f]{40}", each))
+
+
+def _is_repository() -> bool:
+    """Return whether this folder is a repository, and no folder inside one of something else."""
+    return _git("rev-parse", "--show-prefix") == "\n"
+
+
+def _held(commit: str) -> str | None:
+    """Return what Git lists of the code of a commit; nothing where it knows no such commit."""
+    return _git("ls-tree", "-r", commit, "--", SOURCE)
+
+
+def _git(*arguments: str | Path) -> str | None:
+    """Return what Git prints; nothing where it fails or is not installed."""
+    try:
+        return subprocess.run(
+            ["git", *arguments], capture_output=True, text=True, check=True
+        ).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
 
 
 def _committed(commit: str, manifest: Manifest) -> Iterator[Finding]:
-    listed = subprocess.run(
-        ["git", "ls-tree", "-r", commit, "--", SOURCE], capture_output=True, text=True, check=False
-    )
-    if listed.returncode:
-        yield Finding(commit, "is no commit of this repository, and results were made from it")
+    listed = _held(commit)
+    if listed is None and not _is_repository():
+        return  # a copy without its history, as `notes` says
+    if listed is None:
+        yield Finding(
+            commit,
+            "is no commit of this repository, and results were made from it. Where its history was"
+            " cut short, fetch the rest: git fetch --unshallow",
+        )
         return
-    blobs = {line.split("\t")[1]: line.split()[2] for line in listed.stdout.splitlines()}
+    blobs = {line.split("\t")[1]: line.split()[2] for line in listed.splitlines()}
     paths = {
         path
         for job in manifest.jobs.values()
