@@ -17,7 +17,7 @@ from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
 from dea.narx import NarxModel, as_input, input_of
-from dea.store import variable
+from dea.store import complex_parts, variable
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
@@ -213,7 +213,7 @@ class _Rows:
         return {
             "H3": (
                 (*dims, "part"),
-                np.stack([H3.real, H3.imag], axis=-1),
+                complex_parts(H3),
                 {"long_name": "third-order frequency response at (f1, f2, frequency_3)"},
             )
         }
@@ -245,7 +245,7 @@ def _banded(
     found = {
         name: (
             (*dims, "part"),
-            np.stack([H.real, H.imag], axis=-1),
+            complex_parts(H),
             {"long_name": f"{words}-order frequency response"},
         )
     }

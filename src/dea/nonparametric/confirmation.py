@@ -15,7 +15,7 @@ from dea.nonparametric.intermodulation import (
     signed,
 )
 from dea.nonparametric.periods import Array
-from dea.store import variable
+from dea.store import complex_parts, variable
 
 # Dimensions, values, units and label of each variable.
 Variables: TypeAlias = dict[str, tuple[tuple[str, ...], Array | NDArray[np.int8], str, str]]
@@ -93,7 +93,7 @@ def _of_models(modelled: list[Modelled], units: str) -> Variables:
     phase_band = np.degrees(np.stack([model.band.phase for model in modelled]))
     low, high = "lower end of its 95 % band", "upper end of its 95 % band"
     return {
-        "model": ((*_LINES, "part"), _parts(H1), units, "first-order response of the model"),
+        "model": ((*_LINES, "part"), complex_parts(H1), units, "first-order response of the model"),
         "model_gain_low": (_LINES, gain - gain_band, units, low),
         "model_gain_high": (_LINES, gain + gain_band, units, high),
         "model_phase_low": (_LINES, phase - phase_band, "degree", low),
@@ -105,7 +105,7 @@ def _of_ratios(even: list[Intermodulation]) -> Variables:
     return {
         "ratio": (
             (*_EVEN, "part"),
-            _parts(np.stack([each.ratio for each in even])),
+            complex_parts(np.stack([each.ratio for each in even])),
             "1",
             "even line measured over predicted from the second-order response",
         ),
@@ -196,10 +196,6 @@ def _of_even_agreements(
             "1 where the ratio is 1 within its joint 95 % disc",
         ),
     }
-
-
-def _parts(values: Complex) -> Array:
-    return np.stack([values.real, values.imag], axis=-1)
 
 
 def _level(coefficients: Complex | Array) -> Array:

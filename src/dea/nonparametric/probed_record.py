@@ -10,7 +10,7 @@ import xarray as xr
 from dea.errors import InputError
 from dea.nonparametric.best_linear import BestLinear, best_linear
 from dea.nonparametric.periods import Periods, periods_of
-from dea.store import Described, read_record, signals, variable
+from dea.store import Described, complex_parts, read_record, signals, variable
 from dea.units import ratio
 
 
@@ -133,7 +133,7 @@ def labelled(
         {
             "response": variable(
                 ("stretch", "frequency", "part"),
-                np.stack([response.real, response.imag], axis=-1),
+                complex_parts(response),
                 gain_units,
                 "best linear approximation",
             ),

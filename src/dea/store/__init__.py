@@ -2,7 +2,7 @@
 
 from dea.atomic_file import atomic
 from dea.store.contracts import CONTRACTS, Contract, Variable
-from dea.store.described import Described, variable
+from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
@@ -33,6 +33,7 @@ __all__ = [
     "atomic",
     "check_order",
     "check_record",
+    "complex_parts",
     "each_text",
     "flag_counts",
     "import_record",
