@@ -322,7 +322,8 @@ def _integral_time(signal: np.ndarray, power: int) -> float:
     """Return the sum of a power of the autocorrelation; infinite where that does not end.
 
     It is summed over a window of several times its value (Sokal 1997, in Functional Integration,
-    NATO ASI Series B 361:131).
+    NATO ASI Series B 361:131): a squared autocorrelation has no zero crossing, at which
+    :func:`dea.discrepancy.evidence.model_error.memory_of` ends the sum.
     """
     correlation = autocovariance(signal - signal.mean(), signal.size)
     correlation /= correlation[0] or 1.0

@@ -81,6 +81,9 @@ def _memory_beside(residual: np.ndarray, noise: float) -> float:
 def memory_of(residual: np.ndarray, mean: float | None = None) -> float:
     """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992).
 
+    So many samples of the residual count as one. Of its energy, by which an error is localised, it
+    is another number: see :mod:`dea.discrepancy.evidence.localisation`.
+
     Of a residual that is short against its memory the ``mean`` is that expected, not its own.
     """
     centre = residual.mean() if mean is None else mean
