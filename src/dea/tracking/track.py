@@ -1,6 +1,6 @@
 """Track the parameters of a model through a record, by name of the method."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -9,11 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from dea import store
 from dea.errors import InputError
 from dea.narx import (
-    LEVEL,
     NarxModel,
     check_variation,
     pair,
-    quantile,
     rate_of,
     regressor_matrix,
 )
@@ -37,10 +35,11 @@ from dea.tracking.local import (
     usual_window,
 )
 from dea.tracking.output_error import free_run, smooth_simulation
-from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
+from dea.tracking.random_walk import RandomWalk, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.setting_checks import check_count, check_delta
 from dea.tracking.structure import with_constant
+from dea.tracking.track_dataset import TrackerEstimate, track_dataset
 from dea.tracking.unknown_ratios import mean_common_ratio
 
 Array = NDArray[np.float64]
@@ -54,23 +53,6 @@ _DEFAULTS: dict[str, dict[str, Any]] = {
     "local": {"window": None, "instants": 360},
 }
 METHODS = tuple(_DEFAULTS)
-
-
-class TrackerEstimate(NamedTuple):
-    """What a tracker found, of the samples after the largest lag.
-
-    ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,
-    ``estimator`` the method that the estimate is of, ``withheld`` why no interval holds, and
-    ``noise_ratio`` (p,) of a smoother the variance of a step over that of the noise.
-    """
-
-    theta: Array
-    std: Array
-    innovation: Array
-    covariance: Array
-    estimator: str
-    withheld: str
-    noise_ratio: Array | None = None
 
 
 def track_parameters(
@@ -175,7 +157,7 @@ def track_parameters(
     # Before the first equation the first estimate holds.
     of_equation = np.maximum(at - model.max_lag, 0)
     found = tracker(model, signals, of_equation, method, chosen)
-    return _labelled(model, found, at, rate, {"method": method, **chosen})
+    return track_dataset(model, found, at, rate, {"method": method, **chosen})
 
 
 def _recursive(
@@ -366,59 +348,3 @@ def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> in
             remedy="Take a model that is stable on this record, or another method",
         )
     return best
-
-
-def _labelled(
-    model: NarxModel,
-    found: TrackerEstimate,
-    at: NDArray[np.int64],
-    sampling_rate: float,
-    settings: dict[str, Any],
-) -> xr.Dataset:
-    lag = model.max_lag
-    theta = lead_in(found.theta, lag)
-    innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
-    covariance = np.full_like(found.covariance, np.nan) if found.withheld else found.covariance
-    reach = quantile(LEVEL) * np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
-    over, at_instants = ("time", "term"), ("instant", "term")
-    normalised = "of the parameter, normalised signals"
-    attrs = {name: value for name, value in settings.items() if name != "noise_ratio"}
-    track = xr.Dataset(
-        {
-            "parameter": store.variable(
-                over, theta, "1", "parameter of the term, normalised signals"
-            ),
-            "parameter_std": store.variable(
-                over,
-                lead_in(found.std, lag),
-                "1",
-                f"standard deviation {normalised}, for white noise",
-            ),
-            "covariance": store.variable(
-                ("instant", "term", "term_2"), covariance, "1", "covariance of the parameters"
-            ),
-            "band_low": store.variable(
-                at_instants, theta[at] - reach, "1", f"lower end of the 95 % interval {normalised}"
-            ),
-            "band_high": store.variable(
-                at_instants, theta[at] + reach, "1", f"upper end of the 95 % interval {normalised}"
-            ),
-            "innovation": (
-                "time",
-                innovation,
-                {"long_name": "prediction error of the tracker, missing until all lags are known"},
-            ),
-        },
-        coords={
-            "time": store.variable(
-                "time", np.arange(innovation.size) / sampling_rate, "s", "time since the start"
-            ),
-            "instant": store.variable("instant", at / sampling_rate, "s", "time of a covariance"),
-            "term": store.variable("term", list(map(str, model.terms)), "1", "term"),
-        },
-        attrs=attrs | {"estimator": found.estimator, "withheld": found.withheld},
-    )
-    if found.noise_ratio is not None:
-        label = "variance of a step over that of the noise, per sample"
-        track["noise_ratio"] = store.variable("term", found.noise_ratio, "1", label)
-    return track
