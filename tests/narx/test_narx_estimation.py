@@ -7,7 +7,8 @@ from scipy.optimize import least_squares as scipy_least_squares
 
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, estimate, refine, regressor_matrix, scaling_of, simulate
-from dea.narx.refinement import fit_free_runs, sensitivities
+from dea.narx.free_run_fit import fit_free_runs
+from dea.narx.segments import sensitivities
 from published_plants import published_plants
 
 PLANT = {"1": 0.1, "y(t-1)": 1.2, "y(t-2)": -0.4, "u(t-1)": 0.2, "y(t-1)u(t-1)^2": -0.15}

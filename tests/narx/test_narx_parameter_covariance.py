@@ -4,7 +4,7 @@ import numpy as np
 
 from dea.narx import NarxModel, Scaling, estimate, refine
 from dea.narx.parameter_covariance import FreeRun, covariance_of_free_runs, noise_model
-from dea.narx.refinement import sensitivities
+from dea.narx.segments import sensitivities
 
 PLANT = NarxModel.from_terms({"y(t-1)": 0.7, "u(t-1)": 0.4, "y(t-1)u(t-1)^2": 0.2})
 

@@ -6,6 +6,7 @@ from dea.narx.checks import as_input, as_signal, check_variation
 from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
+from dea.narx.free_run_fit import FreeRunFit, curvature, fit_free_runs
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.intervals import (
@@ -24,7 +25,7 @@ from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, remove_feedback
 from dea.narx.published import load_published
-from dea.narx.refinement import FreeRunFit, curvature, estimate_refined, fit_free_runs, refine
+from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.rest import polished

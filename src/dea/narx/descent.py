@@ -20,7 +20,7 @@ from dea.narx.checks import Array
 from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.forward import forward_and_prune
 from dea.narx.orthogonal import orthogonal_order
-from dea.narx.refinement import squared_error
+from dea.narx.segments import squared_error
 from dea.narx.trace import Trace, Tried, gain
 from dea.progress import tell
 from dea.terms import Term, max_lag

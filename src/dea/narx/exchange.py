@@ -23,7 +23,8 @@ import numpy as np
 from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
-from dea.narx.refinement import LinearisedRuns, linearise, minimise
+from dea.narx.refinement import minimise
+from dea.narx.segments import LinearisedRuns, linearise
 from dea.narx.stability import StabilityTest, stays_in_range_reversed
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term

@@ -14,7 +14,8 @@ from dea.narx.checks import Array, as_record
 from dea.narx.estimation import Segment, least_squares, normalised
 from dea.narx.limits import stays_in_range
 from dea.narx.model import NarxModel
-from dea.narx.refinement import minimise, squared_error
+from dea.narx.refinement import minimise
+from dea.narx.segments import squared_error
 from dea.store import variable
 from dea.terms import Term
 

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 from dea.errors import InputError
 from dea.narx.checks import as_record
 from dea.narx.estimation import normalised
+from dea.narx.free_run_fit import fit_free_runs
 from dea.narx.labels import pair
 from dea.narx.metrics import rmse
 from dea.narx.model import NarxModel
-from dea.narx.refinement import fit_free_runs
 from dea.store import Record
 
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from dea.errors import InputError
 from dea.narx.checks import Array
 from dea.narx.model import NarxModel
-from dea.narx.refinement import sensitivities
+from dea.narx.segments import sensitivities
 from dea.store import Record
 
 LEVEL = 0.95

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from dea.errors import InputError
 from dea.narx.candidate_models import Segment
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
-from dea.narx.refinement import FreeRunFit, fit_free_runs
+from dea.narx.free_run_fit import FreeRunFit, fit_free_runs
 from dea.narx.search import Refined
 from dea.narx.stability import StabilityTest
 from dea.narx.trace import Trace, Tried

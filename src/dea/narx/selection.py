@@ -21,10 +21,10 @@ from dea.narx.estimation import (
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
+from dea.narx.free_run_fit import FreeRunFit
 from dea.narx.labels import Labels, records_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
-from dea.narx.refinement import FreeRunFit
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import StabilityTest, UnstableModel, assess
