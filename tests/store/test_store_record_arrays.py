@@ -10,7 +10,8 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store import Record, check_record, flag_counts, signals
-from dea.store.records import input_names, input_variables
+from dea.store.record import input_names
+from dea.store.records import input_variables
 
 FILE = Path("record.nc")
 U = np.array([1.0, 3.0, 2.0, 5.0, 4.0, 6.0])

@@ -6,18 +6,17 @@ from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
-from dea.store.record_file import read_record
-from dea.store.records import (
+from dea.store.record import (
     Record,
     Text,
-    check_record,
     each_text,
-    flag_counts,
     input_names,
     real_numbers,
     require_squares,
-    signals,
 )
+from dea.store.record_checks import check_record
+from dea.store.record_file import read_record
+from dea.store.records import flag_counts, signals
 from dea.store.resampling import check_order, samples_per_interval, usual_interval
 from dea.store.sources import Sources
 

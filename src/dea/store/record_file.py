@@ -9,7 +9,7 @@ from dea.errors import InputError
 from dea.store.files import read
 from dea.store.foreign import import_record
 from dea.store.foreign_files import FORMATS
-from dea.store.records import check_record
+from dea.store.record_checks import check_record
 
 _EXAMPLE = (
     "read_record(path, sampling_interval=0.02, input={'column': 'volts', 'units': 'V'}, "

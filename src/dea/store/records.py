@@ -1,251 +1,18 @@
-"""Records of a system's input and output: what makes one usable, and its arrays."""
+"""The signals of a dataset that holds a record, whatever it calls them, and their flags."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import count, islice, takewhile
-from numbers import Real
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
-from dea.inputs import input_count
+from dea.store.record import Record
 
 _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
-_ROUNDING = 1e-6  # of a sample, by which a time may miss it
-# Factor that the sum of squares keeps below overflow, for models whose terms are multiples of it.
-_ROOM = 1e6
-
-
-Text = str | tuple[str, ...]
-
-
-class Record(NamedTuple):
-    """A record of a system: its signals, shape (samples,), their rate, units and names.
-
-    Several inputs are the columns of ``u``, shape (samples, inputs); ``u_units`` and ``u_name``
-    then hold one text for each. Where a sample is not good ``y`` is NaN; ``u`` is known throughout.
-    Built from a file by :meth:`read`, from arrays by :meth:`of`.
-    """
-
-    time: np.ndarray
-    u: np.ndarray
-    y: np.ndarray
-    sampling_rate: float
-    u_units: Text
-    y_units: str
-    u_name: Text
-    y_name: str
-
-    @property
-    def u_names(self) -> tuple[str, ...]:
-        """The name of every input."""
-        return each_text(self.u_name)
-
-    @property
-    def inputs(self) -> list[tuple[str, str]]:
-        """Name and units of every input."""
-        return list(zip(self.u_names, each_text(self.u_units), strict=True))
-
-    def unit_of_one_input(self, purpose: str) -> str:
-        """Return the units of the only input, for a ``purpose`` that knows no several.
-
-        Raises
-        ------
-        InputError
-            If the record has several inputs.
-        """
-        if not isinstance(self.u_units, str):
-            raise InputError(
-                f"{purpose} is of records with one input, and this one has {len(self.u_names)}",
-                field="input",
-                remedy="Take a record whose other inputs are constant, and name one input",
-            )
-        return self.u_units
-
-    @classmethod
-    def of(
-        cls,
-        u: Any,
-        y: Any,
-        sampling_rate: float,
-        *,
-        units: tuple[Text | Sequence[str], str] | None = None,
-        names: tuple[Text | Sequence[str], str] | None = None,
-    ) -> "Record":
-        """Return the record of two signals.
-
-        Parameters
-        ----------
-        u, y
-            Input and output: arrays, columns of a pandas frame, or variables of xarray, whose
-            ``units`` and names are taken over. A missing output is NaN. Several inputs are the
-            columns of ``u``, an array of shape (samples, inputs) or a pandas frame.
-        sampling_rate
-            In Hz.
-        units, names
-            Of input and output, in place of what the signals carry; nothing is converted. Of
-            several inputs one text for all or one for each.
-
-        Raises
-        ------
-        InputError
-            If the signals differ in length, the input has a missing value, an output is infinite, a
-            value is too large to square, the rate is not positive, or units or names are no pair.
-        """
-        inputs, outputs = (real_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
-        if inputs.ndim == 2 and inputs.shape[1] == 1:
-            inputs = inputs[:, 0]
-        if (
-            inputs.ndim not in (1, 2)
-            or outputs.ndim != 1
-            or len(inputs) != outputs.size
-            or outputs.size < 2
-        ):
-            raise InputError(
-                f"input and output have shapes {inputs.shape} and {outputs.shape}",
-                field="u, y",
-                remedy="Give two signals of one length, of two samples at least, each with one"
-                " dimension; several inputs are the columns of u",
-            )
-        if not np.isfinite(inputs).all():
-            raise InputError(
-                "the input has missing values", field="u", remedy="Fill them: it is applied, known"
-            )
-        if np.isinf(outputs).any():
-            raise InputError(
-                f"sample {np.flatnonzero(np.isinf(outputs))[0]} is infinite",
-                field="y",
-                remedy="Give NaN where it stands for a missing value",
-            )
-        for signal, name in ((inputs, "u"), (outputs, "y")):
-            require_squares(signal, name)
-        if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
-            raise InputError(
-                f"it is {sampling_rate!r}", field="sampling_rate", remedy="Give a number in Hz"
-            )
-        carried = [getattr(each, "attrs", {}) for each in (u, y)]
-        own = [getattr(each, "name", None) for each in (u, y)]
-        of_inputs, y_units = _of_both(units, "units", "V", "mm") or [
-            str(each.get("units", "1")) for each in carried
-        ]
-        called, y_name = _of_both(names, "names", "voltage", "displacement") or [
-            str(attributes.get("long_name", name or role))
-            for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
-        ]
-        number = input_count(inputs)
-        if names is None and (number > 1 or hasattr(u, "columns")):
-            called = list(map(str, getattr(u, "columns", input_names(number))))
-        u_units, u_name = _for_each(of_inputs, number, "units"), _called(called, number)
-        rate = float(sampling_rate)
-        time = np.arange(outputs.size) / rate
-        return cls(time, inputs, outputs, rate, u_units, y_units, u_name, y_name)
-
-    @classmethod
-    def read(cls, path: str | Path, **columns: Any) -> "Record":
-        """Return the record of a file; parameters are those of :func:`dea.read_record`."""
-        from dea.store.record_file import read_record
-
-        return signals(read_record(path, **columns))
-
-    def part(self, first: float, last: float = np.inf) -> "Record":
-        """Return the samples from ``first`` to before ``last``, both in s, or to the end.
-
-        A time that is that of a sample but for rounding, to a millionth of a sample, counts as it.
-
-        Raises
-        ------
-        InputError
-            If there are none, or the record ends before ``last``.
-        """
-        rounding = _ROUNDING / self.sampling_rate
-        begin, end = np.searchsorted(self.time, [first - rounding, last - rounding])
-        if end <= begin:
-            raise InputError(
-                f"no sample lies from {first:g} to before {last:g} s; the record goes from"
-                f" {self.time[0]:g} to {self.time[-1]:g} s",
-                field="first, last",
-                remedy="Give two times inside the record, the earlier one first",
-            )
-        over = self.time[-1] + 1.5 / self.sampling_rate
-        if over < last < np.inf:
-            raise InputError(
-                f"the record ends at {self.time[-1]:g} s, before {last:g} s",
-                field="last",
-                remedy="Give a time inside the record, or none for its end",
-            )
-        return self._replace(time=self.time[begin:end], u=self.u[begin:end], y=self.y[begin:end])
-
-    @property
-    def left_out(self) -> int:
-        """Number of samples that are not good."""
-        return int(np.count_nonzero(np.isnan(self.y)))
-
-
-def each_text(text: Text) -> tuple[str, ...]:
-    """Return the text of every input, whether of one or of several."""
-    return (text,) if isinstance(text, str) else text
-
-
-def input_names(count: int) -> list[str]:
-    """Return what inputs without names of their own are called."""
-    return [f"input {k}" for k in range(1, count + 1)]
-
-
-def real_numbers(signal: Any, field: str) -> np.ndarray:
-    """Return a signal as an array of real numbers, masked values as missing ones.
-
-    Raises
-    ------
-    InputError
-        Where it is complex, holds none, or is a whole record.
-    """
-    if isinstance(signal, Record):
-        raise InputError(
-            "it is a dea.Record",
-            field=field,
-            remedy="Give its signals, record.u and record.y",
-        )
-    values = np.ma.asarray(signal)
-    if np.iscomplexobj(values):
-        raise InputError("it is complex", field=field, remedy="Give its real part")
-    try:
-        return np.asarray(np.ma.filled(values.astype(float), np.nan))
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"it holds no numbers: {error}", field=field, remedy="Give an array of numbers"
-        ) from error
-
-
-def _of_both(given: Any, field: str, *example: str) -> Any:
-    """Return texts of input and output where they are given, checked to be a pair."""
-    if given is not None and (isinstance(given, str) or len(given) != 2):
-        raise InputError(
-            f"it is {given!r}", field=field, remedy=f"Give a pair, of input and output: {example}"
-        )
-    return given
-
-
-def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:
-    """Return a text for every one of so many inputs, of one input the text itself."""
-    texts = (text,) * count if isinstance(text, str) else tuple(map(str, text))
-    if len(texts) != count:
-        raise InputError(
-            f"there are {len(texts)} for {count} inputs", field=field, remedy="Give one for each"
-        )
-    return texts if count > 1 else texts[0]
-
-
-def _called(names: Text | Sequence[str], count: int) -> Text:
-    """Return the names of so many inputs, each its own."""
-    called = _for_each(names, count, "names")
-    if len(set(each_text(called))) < count:
-        raise InputError(
-            f"they are {called}", field="names", remedy="Give each input a name of its own"
-        )
-    return called
 
 
 def signals(record: xr.Dataset) -> Record:
@@ -260,65 +27,26 @@ def signals(record: xr.Dataset) -> Record:
     InputError
         Where every sample is flagged, the message names the flags; where units are not given.
     """
-    _require_good(record, record.encoding.get("source"))
-    driving, y = _driving(record), _first(record, _OUTPUTS)
+    require_good(record, record.encoding.get("source"))
+    driving, y = driving_of(record), measured_of(record)
     applied = [each.values.astype(float) for each in driving]
     held = [_held(each) for each in applied]
     names = tuple(str(each.attrs.get("long_name", each.name)) for each in driving)
-    units = tuple(str(_units_of(each)) for each in driving)
+    units = tuple(str(units_of(each)) for each in driving)
     several = len(driving) > 1
     time = record["time"].values.astype(float)
     measured = y.values.astype(float)
-    good = ~_flagged(record) & np.isfinite([*applied, measured]).all(axis=0)
+    good = ~flagged_in(record) & np.isfinite([*applied, measured]).all(axis=0)
     return Record(
         time=time,
         u=np.array(held).T if several else held[0],
         y=np.where(good, measured, np.nan),
         sampling_rate=float((time.size - 1) / (time[-1] - time[0])),
         u_units=units if several else units[0],
-        y_units=_units_of(y),
+        y_units=units_of(y),
         u_name=names if several else names[0],
         y_name=y.attrs.get("long_name", str(y.name)),
     )
-
-
-def check_record(record: xr.Dataset, file: Path) -> None:
-    """Check that a record is whole: uniform time, no gap, no NaN but where flagged, a moving input.
-
-    Flagged samples are no reason to refuse it: :func:`signals` leaves them out.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the variable, the first sample at fault and the remedy.
-    """
-    if "time" not in record.variables:
-        raise InputError("there is no time", file=file, field="time", remedy="Add it in seconds")
-    _require_units(record["time"], ("s",), file)
-    time = record["time"].values.astype(float)
-    if time.size < 2:
-        raise InputError(f"it holds {time.size} samples", file=file, remedy="Record at least two")
-    flagged = _flagged(record)
-    _require_good(record, file)
-    driving = _driving(record, file)
-    for variable in (*driving, _first(record, _OUTPUTS, file)):
-        _units_of(variable, file)
-        values = np.where(flagged, 0.0, variable.values)
-        _require_finite(values, str(variable.name), file)
-        require_squares(values, str(variable.name), file)
-    _require_finite(time, "time", file)
-    _require_uniform(time, file)
-    if "device_index" in record.variables:
-        _require_consecutive(record["device_index"].values, file)
-    still = [each for each in driving if np.ptp(each.values[~flagged]) == 0]
-    if len(still) == len(driving):
-        u = still[0]
-        raise InputError(
-            f"the input is constant at {u.values[~flagged][0]:g} {u.attrs['units']}",
-            file=file,
-            field=str(u.name),
-            remedy="A model can only be identified from an input that moves",
-        )
 
 
 def input_variables(number: int) -> list[str]:
@@ -326,10 +54,27 @@ def input_variables(number: int) -> list[str]:
     return ["input"] if number == 1 else list(islice(_numbered_inputs(), number))
 
 
-def _driving(record: xr.Dataset, file: Path | None = None) -> list[xr.DataArray]:
-    """Return the variable of the input, or of each of several."""
+def driving_of(record: xr.Dataset, file: Path | None = None) -> list[xr.DataArray]:
+    """Return the variable of the input, or of each of several.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
     names = takewhile(lambda name: name in record.variables, _numbered_inputs())
     return [record[name] for name in names] or [_first(record, _INPUTS, file)]
+
+
+def measured_of(record: xr.Dataset, file: Path | None = None) -> xr.DataArray:
+    """Return the variable of the output.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    return _first(record, _OUTPUTS, file)
 
 
 def _numbered_inputs() -> Iterator[str]:
@@ -348,7 +93,14 @@ def _first(record: xr.Dataset, names: tuple[str, ...], file: Path | None = None)
     )
 
 
-def _units_of(variable: xr.DataArray, file: Path | None = None) -> Any:
+def units_of(variable: xr.DataArray, file: Path | None = None) -> Any:
+    """Return the units of a variable.
+
+    Raises
+    ------
+    InputError
+        If they are not given.
+    """
     if "units" not in variable.attrs:
         raise InputError(
             "its units are not given",
@@ -359,76 +111,8 @@ def _units_of(variable: xr.DataArray, file: Path | None = None) -> Any:
     return variable.attrs["units"]
 
 
-def _require_units(variable: xr.DataArray, allowed: tuple[str, ...], file: Path) -> None:
-    units = variable.attrs.get("units")
-    if units not in allowed:
-        raise InputError(
-            f"its units are {units!r}",
-            file=file,
-            field=str(variable.name),
-            remedy=f"They must be {' or '.join(map(repr, allowed))}",
-        )
-
-
-def _require_finite(values: np.ndarray, name: str, file: Path) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        raise InputError(
-            f"{bad.size} of {values.size} samples are not numbers, the first at sample {bad[0]}",
-            file=file,
-            field=name,
-            remedy="Cut the record before the first, or record it again",
-        )
-
-
-def require_squares(values: np.ndarray, name: str, file: Path | None = None) -> None:
-    """Refuse numbers whose squares have a sum that overflows; those not finite are no numbers.
-
-    Raises
-    ------
-    InputError
-        Naming the first sample at fault.
-    """
-    top = np.sqrt(np.finfo(float).max / max(values.size, 1)) / _ROOM
-    large = np.argwhere(np.isfinite(values) & (np.abs(values) > top))
-    if large.size:
-        raise InputError(
-            f"sample {large[0, 0]} is {values[tuple(large[0])]:.4g}, too large to compute with",
-            file=file,
-            field=name,
-            remedy="Give it in larger units; where it stands for a missing value, leave it empty",
-        )
-
-
-def _require_uniform(time: np.ndarray, file: Path) -> None:
-    steps = np.diff(time)
-    interval = np.median(steps)
-    bad = np.flatnonzero(np.abs(steps - interval) > 1e-3 * abs(interval))
-    if interval <= 0 or bad.size:
-        at = int(bad[0]) if bad.size else 0
-        gap = steps[at]
-        kind = "a gap" if gap > 1.5 * interval > 0 else "a step"
-        raise InputError(
-            f"there is {kind} of {gap:g} s after sample {at}; samples are {interval:g} s apart",
-            file=file,
-            field="time",
-            remedy="Use an unbroken stretch, or resample to uniform time",
-        )
-
-
-def _require_consecutive(index: np.ndarray, file: Path) -> None:
-    bad = np.flatnonzero(np.diff(index.astype(np.int64)) != 1)
-    if bad.size:
-        at = int(bad[0])
-        raise InputError(
-            f"the device's sample {index[at]} is followed by {index[at + 1]}",
-            file=file,
-            field="device_index",
-            remedy="Samples are missing or doubled there: use an unbroken stretch",
-        )
-
-
-def _flagged(record: xr.Dataset) -> np.ndarray:
+def flagged_in(record: xr.Dataset) -> np.ndarray:
+    """Say of each sample whether it carries a flag, (samples,)."""
     if "quality" not in record.variables:
         return np.zeros(record["time"].size, bool)
     return np.asarray(record["quality"].values != 0)
@@ -449,8 +133,15 @@ def flag_counts(record: xr.Dataset) -> dict[str, int]:
     return {name: count for name, count in counts.items() if count}
 
 
-def _require_good(record: xr.Dataset, file: Path | str | None) -> None:
-    flagged = _flagged(record)
+def require_good(record: xr.Dataset, file: Path | str | None) -> None:
+    """Refuse a record of which every sample is flagged, with the counts of its flags.
+
+    Raises
+    ------
+    InputError
+        If so.
+    """
+    flagged = flagged_in(record)
     if flagged.all():
         counts = ", ".join(f"{name} {count}" for name, count in flag_counts(record).items())
         raise InputError(
