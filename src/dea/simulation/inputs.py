@@ -1,6 +1,7 @@
 """What is known of an input of a simulation."""
 
 from dataclasses import dataclass
+from typing import Any
 
 # What separates the name of an effect from its place, and effects from each other.
 RESERVED = "@+>"
@@ -13,3 +14,8 @@ class Input:
     name: str
     unit: str
     offset_spread: float = 0.0
+
+
+def each_of(given: Any) -> tuple[Any, ...]:
+    """Return what belongs to every input, whether to one or to several."""
+    return given if isinstance(given, tuple) else (given,)
