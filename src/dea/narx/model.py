@@ -1,6 +1,6 @@
 """Polynomial NARX models: build, simulate, predict, print, save and load."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, astuple, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -10,17 +10,19 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea import store
-from dea.equation import equation_html, equation_latex, scaled_signals
+from dea.equation import equation_html, equation_latex
 from dea.errors import InputError
 from dea.missing import filled
 from dea.narx.checks import Array, as_input, as_signal
 from dea.narx.labels import Labels, input_of, pair
 from dea.narx.metrics import nmse
+from dea.narx.model_dataset import model_dataset
+from dea.narx.model_text import equation_text
 from dea.narx.prediction import predicted
 from dea.narx.scaling import OneInput, Scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, StabilityTest, assess
-from dea.store import Record, Text, each_text, input_names
+from dea.store import Record, Text, input_names
 from dea.terms import Term, max_lag, numbered_inputs
 
 if TYPE_CHECKING:
@@ -291,44 +293,7 @@ class NarxModel:
         Units are by default those of the model's labels. Offsets and scales of several inputs have
         the dimension ``input``; their units are listed where they differ.
         """
-        known = self.labels
-        u_units, y_units = u_units or known.u_units, y_units or known.y_units
-        of_inputs = ", ".join(dict.fromkeys(each_text(u_units)))
-        scaling = {
-            name: store.variable(
-                ("input",)[: np.ndim(value)], np.asarray(value), units, f"{what} of the {signal}"
-            )
-            for (name, value), (signal, what, units) in zip(
-                vars(self.scaling).items(),
-                [
-                    (signal, what, units)
-                    for signal, units in (("input", of_inputs), ("output", y_units))
-                    for what in ("offset", "scale")
-                ],
-                strict=True,
-            )
-        }
-        dataset = xr.Dataset(
-            {
-                "parameter": store.variable("term", self.parameters, "1", "parameter of the term"),
-                **scaling,
-            },
-            coords={"term": store.variable("term", list(map(str, self.terms)), "1", "term")},
-            attrs={"contract": "model", "equation": str(self), "withheld": self.withheld},
-        )
-        if known.sampling_rate is not None:
-            dataset.attrs |= asdict(known) | {"u_units": u_units, "y_units": y_units}
-        if self.covariance is not None:
-            dataset["covariance"] = store.variable(
-                ("term", "term_2"), self.covariance, "1", "covariance of the parameters"
-            )
-            dataset["standard_error"] = store.variable(
-                "term", self.standard_errors, "1", "standard error of the parameter"
-            )
-        if self.checked is not None:
-            report = self.checked.to_dataset(of_inputs, y_units)
-            dataset = dataset.merge(report).assign_attrs(report.attrs)
-        return dataset if self.trace is None else dataset.merge(self.trace)
+        return model_dataset(self, u_units, y_units)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> "NarxModel":
@@ -393,32 +358,8 @@ class NarxModel:
 
     def __str__(self) -> str:
         """Return the equation that is simulated, every digit of its parameters included."""
-        lines = [f"y(t) = {_sum(self.terms, self.parameters)}"]
-        if self.inputs > 1 or self.scaling != Scaling():
-            scaling = {
-                name: np.asarray(value).tolist() for name, value in vars(self.scaling).items()
-            }
-            signals = scaled_signals(scaling, self.named_inputs, self.labels.y_units)
-            lines.append(
-                ", ".join(
-                    f"{symbol} = ({name} {_signed(-offset)})/{scale!r}"
-                    for symbol, name, _, offset, scale in signals
-                )
-            )
-        return "\n".join(lines)
+        return equation_text(self)
 
 
 def _lists(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
-
-
-def _sum(terms: Sequence[Term], parameters: Array) -> str:
-    text = ""
-    for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        monomial = f" {term}" if term.degree else ""
-        text += f" {_signed(parameter)}{monomial}" if text else f"{parameter!r}{monomial}"
-    return text
-
-
-def _signed(number: float) -> str:
-    return f"{'-' if np.signbit(number) else '+'} {abs(number)!r}"
