@@ -6,6 +6,7 @@ import numpy as np
 
 from dea.resolution.knowledge import Knowledge
 from dea.resolution.rounds import Resolution
+from dea.store import Described, variable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,28 +24,28 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
     designs = [None, *(each.design for each in found.rounds)]
     unit = found.first.diagnosis.units[1]
 
-    def over(values: list[object], units: str, long_name: str) -> tuple[object, ...]:
+    def over(values: list[object], units: str, long_name: str) -> Described:
         text = any(isinstance(value, str) for value in values)
-        return (
-            "round",
-            np.array(values, dtype=object if text else float),
-            {"units": units, "long_name": long_name},
+        return variable(
+            "round", np.array(values, dtype=object if text else float), units, long_name
         )
 
     dataset = xr.Dataset(
         {
-            "probability": (
+            "probability": variable(
                 ("round", "hypothesis"),
                 [[known.posterior.now.get(name, np.nan) for name in names] for known in steps],
-                {"units": "1", "long_name": "probability of the hypothesis"},
+                "1",
+                "probability of the hypothesis",
             ),
-            "rejected": (
+            "rejected": variable(
                 ("round", "hypothesis"),
                 np.array(
                     [[name in s.posterior.rejected(level) for name in names] for s in steps],
                     np.int8,
                 ),
-                {"units": "1", "long_name": "whether the hypothesis is rejected"},
+                "1",
+                "whether the hypothesis is rejected",
             ),
             "driven": over([s.driven for s in steps], "s", "time driven in designed records"),
             "status": over([_status(s) for s in steps], "1", "verdict on all records so far"),
@@ -68,11 +69,12 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
             ),
         },
         coords={
-            "round": ("round", np.arange(len(steps)), {"units": "1", "long_name": "round"}),
-            "hypothesis": (
+            "round": variable("round", np.arange(len(steps)), "1", "round"),
+            "hypothesis": variable(
                 "hypothesis",
                 np.array(names, dtype=object),
-                {"units": "1", "long_name": "effects that explain the device"},
+                "1",
+                "effects that explain the device",
             ),
         },
         attrs={

@@ -11,6 +11,7 @@ from dea.autocovariance import autocovariance
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 from dea.simulation import Input
+from dea.store import variable
 
 BINS = 12
 # Draws of what chance makes, and the level of the test: ten of them may be as large.
@@ -163,10 +164,10 @@ def localise(
     variables: dict[str, Any] = {}
     for name, q in quantities.items():
         variables |= _along(name, q, rms[name], null[name], unit)
-        variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
+        variables[f"{name}_probability"] = variable((), probability[name], "1", f"chance, {name}")
     overall = float(np.sqrt(energy.mean()))
     variables |= _coherence(problem, residual, where, signals)
-    variables["rms"] = ((), overall, _label(unit, "RMS residual"))
+    variables["rms"] = variable((), overall, unit, "RMS residual")
     concentration = (
         _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
     )
@@ -211,13 +212,14 @@ def _along(
 ) -> dict[str, Any]:
     edges, called, own = binned.edges, binned.quantity.called, binned.quantity.unit
     return {
-        f"{name}_low": (name, edges[:-1], _label(own, f"{called}: lower end")),
-        f"{name}_high": (name, edges[1:], _label(own, f"{called}: upper end")),
-        f"{name}_rms": (name, rms, _label(unit, f"RMS residual along {called}")),
-        f"{name}_null": (
+        f"{name}_low": variable(name, edges[:-1], own, f"{called}: lower end"),
+        f"{name}_high": variable(name, edges[1:], own, f"{called}: upper end"),
+        f"{name}_rms": variable(name, rms, unit, f"RMS residual along {called}"),
+        f"{name}_null": variable(
             name,
             np.sqrt(np.quantile(null, 0.95, axis=0)),
-            _label(unit, f"RMS residual along {called} that chance exceeds in 5 %"),
+            unit,
+            f"RMS residual along {called} that chance exceeds in 5 %",
         ),
     }
 
@@ -235,9 +237,10 @@ def _coherence(
         frequency, coherent = coherence(
             driving, residual[where], 1.0 / problem.interval, nperseg=segment
         )
-        variables["frequency"] = ("frequency", frequency, _label("Hz", "frequency"))
-        meaning = _label("1", f"coherence of {called} and residual")
-        variables[name.replace("input", "coherence")] = ("frequency", coherent, meaning)
+        variables["frequency"] = variable("frequency", frequency, "Hz", "frequency")
+        variables[name.replace("input", "coherence")] = variable(
+            "frequency", coherent, "1", f"coherence of {called} and residual"
+        )
     return variables
 
 
@@ -250,10 +253,6 @@ def _inputs(problem: Problem, inputs: Sequence[Input]) -> list[_Signal]:
         _Signal(f"input_{k}", each.name, u, each.unit)
         for k, (each, u) in enumerate(zip(inputs, signals, strict=True), 1)
     ]
-
-
-def _label(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
 
 
 def _quantities(

@@ -1,7 +1,6 @@
 """A diagnosis as labelled datasets: localisation, candidates and certificate."""
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,6 +11,7 @@ from dea.discrepancy.report.law_bands import banded_laws
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
+from dea.store import Described, variable
 
 _GAIN = "log ratio of RMSE without and with it, held-out; of unfinished ones where they were fitted"
 
@@ -40,8 +40,8 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     visible = diagnosis.singles.visibility
     sets, confusion = diagnosis.pool, diagnosis.confusion
 
-    def column(values: list[float] | np.ndarray, units: str, meaning: str) -> tuple[Any, ...]:
-        return ("candidate", np.asarray(values, float), _attributes(units, meaning))
+    def column(values: list[float] | np.ndarray, units: str, meaning: str) -> Described:
+        return variable("candidate", np.asarray(values, float), units, meaning)
 
     rivals = _written(confusion.candidates)
     data = xr.Dataset(
@@ -63,13 +63,15 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             "independent": column(
                 [v.independent for v in visible], "1", "part of the change that they cannot absorb"
             ),
-            "null_gain": ((), gained.null, _attributes("1", "gain that chance exceeds in 5 %")),
-            "set_error": (
-                "set", [c.error for c in sets], _attributes(unit, "RMSE, charged for parameters"),
+            "null_gain": variable((), gained.null, "1", "gain that chance exceeds in 5 %"),
+            "set_error": variable(
+                "set", [c.error for c in sets], unit, "RMSE, charged for parameters"
             ),
-            "confusion": (
-                ("present", "called"), confusion.probability,
-                _attributes("1", "probability that one effect is called the other"),
+            "confusion": variable(
+                ("present", "called"),
+                confusion.probability,
+                "1",
+                "probability that one effect is called the other",
             ),
         },
         coords={
@@ -80,7 +82,7 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         },
     )  # fmt: skip
     for name in data.coords:
-        data[name].attrs.update(_attributes("1", f"names of effects ({name})"))
+        data[name].attrs |= {"units": "1", "long_name": f"names of effects ({name})"}
     return data
 
 
@@ -92,54 +94,59 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     problem, unit = diagnosis.problem, diagnosis.units[1]
     role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
     data = {
-        "input": (
+        "input": variable(
             "time" if len(diagnosis.inputs) == 1 else ("time", "signal"),
             problem.u,
-            _attributes(diagnosis.units[0], "input"),
+            diagnosis.units[0],
+            "input",
         ),
-        "measured": ("time", problem.y, _attributes(unit, "measured output")),
-        "nominal": (
+        "measured": variable("time", problem.y, unit, "measured output"),
+        "nominal": variable(
             "time",
             problem.y - diagnosis.nominal.residual,
-            _attributes(unit, "output of the simulation as it was, refitted"),
+            unit,
+            "output of the simulation as it was, refitted",
         ),
-        "extended": (
+        "extended": variable(
             "time",
             problem.y - diagnosis.extended.residual,
-            _attributes(unit, "output of the extended simulation"),
+            unit,
+            "output of the extended simulation",
         ),
         "role": (
             "time",
             role.astype(np.int8),
             {
-                **_attributes("1", "use of the sample"),
+                "units": "1",
+                "long_name": "use of the sample",
                 "flag_meanings": "unused fit select certify",
             },
         ),
-        "noise_floor": ((), diagnosis.noise_floor, _attributes(unit, "noise floor")),
+        "noise_floor": variable((), diagnosis.noise_floor, unit, "noise floor"),
     }
     if diagnosis.decision.answer:
         data |= _laws(diagnosis)
     names = list(diagnosis.certificate.records)
     for key, meaning in (("before", "without"), ("after", "with")):
-        data[f"record_rmse_{key}"] = (
+        data[f"record_rmse_{key}"] = variable(
             "record",
             np.array([getattr(diagnosis.certificate.records[n], key) for n in names], float),
-            _attributes(unit, f"free-run RMSE on another record {meaning} the effects"),
+            unit,
+            f"free-run RMSE on another record {meaning} the effects",
         )
     records = len(diagnosis.nominal.records)
     along = "time since the start" if records == 1 else "time, one record after the other"
     coords = {
-        "time": ("time", problem.time, _attributes("s", along)),
-        "record": ("record", np.array(names, object), _attributes("1", "other record")),
+        "time": variable("time", problem.time, "s", along),
+        "record": variable("record", np.array(names, object), "1", "other record"),
     }
     if len(diagnosis.inputs) > 1:
         called = np.array([each.name for each in diagnosis.inputs], object)
-        coords["signal"] = ("signal", called, _attributes("1", "name of the input"))
+        coords["signal"] = variable("signal", called, "1", "name of the input")
     return xr.Dataset(data, coords=coords, attrs={"records": records})
 
 
-def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
+def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
     """Return of each named law what it acts on, what it makes of it with its band, and no law."""
     found = {}
     laws = banded_laws(diagnosis.problem, diagnosis.final, diagnosis.uncertainty.covariance)
@@ -154,7 +161,7 @@ def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, st
                 ("idle", idle, made_unit, "without the law"),
             )
             for part, values, its_unit, meaning in columns:
-                found[f"law_{number}_{part}"] = "time", values, _attributes(its_unit, meaning)
+                found[f"law_{number}_{part}"] = variable("time", values, its_unit, meaning)
     return found
 
 
@@ -175,7 +182,3 @@ def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
 def _written(candidates: Iterable[Candidate]) -> np.ndarray:
     """Return the labels of each candidate's effects, joined."""
     return np.array(["+".join(c.labels) for c in candidates], dtype=object)
-
-
-def _attributes(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
