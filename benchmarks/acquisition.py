@@ -17,17 +17,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pymodbus.client import ModbusTcpClient
 
 from benchmarks import command_line
 from benchmarks.row import HEAD, Row
 from benchmarks.stored import command, store
 from dea.acquisition import AcquiredRecord, AcquisitionSettings, acquire
+from dea.arrays import Array
 from dea.modbus import Command, Device, encode, read_device, to_counts
 from dea.plant import Rig
-
-Array = NDArray[np.float64]
 
 ROOT = Path(__file__).parents[1]
 CONFIG, DESCRIPTION = ROOT / "config/bench.yaml", ROOT / "config/devices/virtual_bench.yaml"

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from benchmarks.command_line import add_store, run
 from benchmarks.stored import command, store
+from dea.arrays import Array
 from dea.configuration.bench import read_bench
 from dea.excitation import design
 from dea.figures import style
@@ -28,8 +29,6 @@ from dea.narx import NarxModel, load_published
 from dea.plant import SAMPLE_PERIOD, Parameters, Rig, read_parameters
 from dea.plant.film import rest
 from dea.plant.small_signal import hold, responses
-
-Array = NDArray[np.float64]
 
 BENCH, PUBLISHED = Path("config/bench.yaml"), Path("config/published_models.yaml")
 STUDY = Path("config/config.yaml")

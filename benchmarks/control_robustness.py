@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from benchmarks.command_line import add_store, positive, run, seed_number
 from benchmarks.stored import command
 from benchmarks.stored import store as keep
 from dea import store
+from dea.arrays import Array
 from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
@@ -28,7 +28,6 @@ from dea.narx import NarxModel
 from dea.plant import Parameters, Rig, read_parameters
 from dea.seeds import generator
 
-Array = NDArray[np.float64]
 RESULTS, TABLE = Path("results"), Path("results/tables/control_robustness.csv")
 TURN = 7.0  # s: each kind of reference once
 FOLLOWED = 0.05  # of the stroke, up to which an RMS error counts as following

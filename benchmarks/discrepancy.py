@@ -6,18 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from benchmarks.row import Row
 from benchmarks.timing import shortest
+from dea.arrays import Array
 from dea.discrepancy import diagnose
 from dea.excitation import design
 from dea.plant import Rig
 from dea.plant.parameters import read_parameters
 from dea.simulation import ExtendedSimulation, load_simulation
-
-Array = NDArray[np.float64]
 
 RATE = 50.0
 PIECE, REPEATS = 1000, 5

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.command_line import peer as said_by
 from benchmarks.row import Row
 from benchmarks.timing import shortest
+from dea.arrays import Array
 from dea.excitation import design
 from dea.narx import (
     Forward,
@@ -39,7 +39,6 @@ from dea.narx import (
 )
 from dea.terms import Term
 
-Array = NDArray[np.float64]
 Search = Forward | Orthogonal | Refined
 
 SAMPLES, NOISE, REPEATS = 5_000, 0.01, 3

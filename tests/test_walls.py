@@ -53,7 +53,15 @@ def test_rooms_are_entered_by_their_public_surface(graph):
 def test_figures_and_tables_may_import_no_room_that_their_contract_does_not_name(graph):
     """A new room is to be added to the contract, or here."""
     rooms = {module.split(".")[1] for module in graph.modules if "." in module}
-    allowed = {"configuration", "errors", "number_format", "provenance", "store", "terms"}
+    allowed = {
+        "arrays",
+        "configuration",
+        "errors",
+        "number_format",
+        "provenance",
+        "store",
+        "terms",
+    }
     linter = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
     [contract] = [c for c in linter["contracts"] if c["name"].startswith("Figures and tables")]
     others = rooms - allowed - {"figures", "tables"}

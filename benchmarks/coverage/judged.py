@@ -8,8 +8,9 @@ import numpy as np
 
 import dea
 from benchmarks.coverage import truth
-from benchmarks.coverage.plants import Array, Plant, plants
+from benchmarks.coverage.plants import Plant, plants
 from benchmarks.coverage.records import BAND
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, estimate, refine
 from dea.terms import Term

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dea.arrays import Array
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.coverage.plants import Array, Plant, simulate
+from benchmarks.coverage.plants import Plant, simulate
+from dea.arrays import Array
 
 INPUTS = ("white", "band-limited")
 NOISES = ("equation", "output", "coloured output")

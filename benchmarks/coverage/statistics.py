@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.coverage.plants import Array
+from dea.arrays import Array
 from dea.trials import wilson
 
 

@@ -12,7 +12,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.plants import Array, Plant, simulate
+from benchmarks.coverage.plants import Plant, simulate
+from dea.arrays import Array
 
 SETTLING = 3000  # samples
 AMPLITUDE = 0.02

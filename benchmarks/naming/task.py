@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.naming.shared import Shared
+from dea.arrays import Array
 from dea.discrepancy import Settings
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem, Samples, rmse
@@ -16,8 +16,6 @@ from dea.discrepancy.search.starts import fit_nominal
 from dea.seeds import generator
 from dea.simulation import ExtendedSimulation, Simulation
 from dea.store import Record
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

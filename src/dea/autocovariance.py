@@ -1,9 +1,8 @@
 """The products of a signal with itself, by Fourier transforms."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dea.arrays import Array
 
 
 def autocovariance(centred: Array, lags: int) -> Array:

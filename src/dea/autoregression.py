@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dea.arrays import Array
 
 _HIGHEST = 20  # order
 _SAMPLES_PER_ORDER = 20  # of the record, at least

@@ -8,9 +8,8 @@ outputs to start from does the value interpolated between the neighbours take it
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
-
-Array = NDArray[np.float64]
 
 _SHORTEST = 3  # lags that a stretch holds at least
 

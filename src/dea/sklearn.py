@@ -3,7 +3,6 @@
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 try:
     from sklearn.base import BaseEstimator, RegressorMixin
@@ -13,10 +12,9 @@ except ImportError as missing:
         "dea.sklearn needs scikit-learn. Install it with `pip install scikit-learn`"
     ) from missing
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import SEARCHES, NarxModel, select_terms
-
-Array = NDArray[np.float64]
 
 
 class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]

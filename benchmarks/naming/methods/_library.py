@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lsim, periodogram
 
-from benchmarks.naming.task import Array
+from dea.arrays import Array
 from dea.discrepancy.evidence.residual_model import play, standard
 from dea.simulation import low_pass
 

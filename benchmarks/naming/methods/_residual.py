@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.naming.task import Array, Task
+from benchmarks.naming.task import Task
+from dea.arrays import Array
 from dea.discrepancy.problem import rmse
 
 Mask = NDArray[np.bool_]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.naming.task import Array
+from dea.arrays import Array
 
 _ROUNDS = 20
 

@@ -9,7 +9,8 @@ import numpy as np
 from sklearn.linear_model import Ridge
 
 from benchmarks.naming.methods._residual import Mask, Residual, needed
-from benchmarks.naming.task import Answer, Array, Method, Task
+from benchmarks.naming.task import Answer, Method, Task
+from dea.arrays import Array
 from dea.discrepancy.evidence.residual_model import dictionary
 from dea.discrepancy.problem import Problem
 

@@ -19,7 +19,8 @@ from scipy.signal import savgol_filter
 from benchmarks.naming.methods._library import CORRECTION, FOREIGN, Term, library
 from benchmarks.naming.methods._residual import Mask, Residual, needed
 from benchmarks.naming.methods._stlsq import stlsq
-from benchmarks.naming.task import Answer, Array, Method, Task
+from benchmarks.naming.task import Answer, Method, Task
+from dea.arrays import Array
 
 _ORDERS = (0, 1, 2)  # of the derivative
 _LENGTHS = (5, 11, 25, 51, 101)  # samples of the filter

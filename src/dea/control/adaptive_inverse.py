@@ -6,15 +6,14 @@ from math import inf, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.feedback import FilteredError, Gains
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse
 from dea.control.reference import least_jerk
 from dea.errors import DeviceError, InputError
 
-Array = NDArray[np.float64]
 # Makes a tracker that begins at these parameters, or at the model's own.
 NewTracker = Callable[[Array | None], OnlineTracker]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.adaptive_inverse import AdaptiveInverse, Guard, RunIn, Silence, Task
 from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.limits import InputLimits
@@ -21,7 +21,6 @@ from dea.missing import filled
 from dea.narx import NarxModel, rate_of
 from dea.tracking import with_constant
 
-Array = NDArray[np.float64]
 Controller = Callable[[float], float]
 RESTS = 3  # over the reach, at which margins are kept: both ends and the middle
 # s for which an input of a simulation acts in the steps to its inverse: a longer memory is left to

@@ -6,11 +6,11 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
 from dea.narx import check_rate
 
-Array = NDArray[np.float64]
 _GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowest frequency
 _TO = 0.9  # part of half the sampling rate up to which a loop is looked at, at least
 

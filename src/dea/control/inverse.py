@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 
-Array = NDArray[np.float64]
 _TRIED = 17  # inputs between the limits, among which a prediction is taken to be monotone
 
 

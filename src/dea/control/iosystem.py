@@ -3,15 +3,13 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.c_code import has_feedthrough, input_lags, output_lags
 from dea.narx import NarxModel, rate_of
 
 if TYPE_CHECKING:
     from control import NonlinearIOSystem
-
-Array = NDArray[np.float64]
 
 
 def to_iosystem(

@@ -5,16 +5,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf import Instants, linear_part, zero_input_interval
 from dea.narx import LEVEL, Interval, NarxModel, quantile, rate_of
 
 if TYPE_CHECKING:
     from control import StateSpace, TransferFunction
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,14 @@ from math import isinf, nan
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.control import online_kernels
 from dea.errors import InputError
 from dea.missing import filled
 from dea.narx import BOUND, NarxModel, padded_lags, regressor_matrix, simulate
 from dea.tracking import check_settings, initial_state, root_mean_square, with_constant
-
-Array = NDArray[np.float64]
 
 
 def scale_of_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Array:

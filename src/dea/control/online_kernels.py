@@ -4,10 +4,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.narx import NONE
 from dea.tracking import RlsState, update
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 

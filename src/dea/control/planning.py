@@ -1,15 +1,13 @@
 """The inverse of a model along a reference that is known ahead."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.limits import InputLimits
 from dea.control.planning_kernels import Equation, improve
 from dea.errors import InputError
 from dea.narx import NarxModel, padded_lags, rate_of
 from dea.tracking import with_constant
-
-Array = NDArray[np.float64]
 
 
 class RecedingHorizonInverse:

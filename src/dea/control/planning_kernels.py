@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.limits import InputLimits, limited
 from dea.narx import NONE
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Times the largest output wanted, and one in the units of the equation at least: no plan that

@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import check_rate
 
-Array = NDArray[np.float64]
 STRETCH = 60.0  # s of a record, in each of which the actuator was where the reference goes
 
 

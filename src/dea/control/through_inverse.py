@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.feedback import Gains, tune_feedback
 from dea.control.planning import RecedingHorizonInverse
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
 
-Array = NDArray[np.float64]
 _SMALL = 1e-5  # of the scales: a change whose effect on the inputs is linear
 
 

@@ -7,10 +7,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.control.limits import InputLimits, limited
 from dea.errors import InputError
 
-Array = NDArray[np.float64]
 _STEPS = 8  # of Gauss-Newton at most
 _SHARES = (1.0, 0.5, 0.25, 0.125)  # of a step, tried in turn until one is better
 _ENOUGH = 0.01  # part of its error that a step must remove for another to follow

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.figures import style
 from dea.store import signals
 
-Array = NDArray[np.float64]
 _PER_MM = 0.72  # characters of a note below the maps
 _DECADE = 10.0
 _VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.figures import style
 from dea.figures.frequency_maps import (
     colour_bar,
@@ -25,7 +26,6 @@ from dea.figures.frequency_maps import (
     veil_handle,
 )
 
-Array = NDArray[np.float64]
 _MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
 _CURVES = 34.0  # mm, height of the last row
 _TITLE = 10.0  # mm, above a row of maps alone

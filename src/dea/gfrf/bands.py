@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.operating_point import rest_slope
 from dea.gfrf.response import Inputs, response_and_slope, rests
 from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile, rate_of
-
-Array = NDArray[np.float64]
 
 
 class ResponseBand(NamedTuple):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from dea.arrays import Array
 
 _SEGMENTS = 16  # of the record; half overlapping, so that 31 periodograms are averaged
 

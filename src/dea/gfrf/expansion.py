@@ -7,11 +7,10 @@ from itertools import chain, combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.terms import Term, static_value
 
-Array = NDArray[np.float64]
 Polynomial = dict[Term, Array]
 
 

@@ -4,12 +4,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import NarxModel
-
-Array = NDArray[np.float64]
 
 
 class Instants(NamedTuple):

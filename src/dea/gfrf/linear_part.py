@@ -3,16 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_slope
 from dea.gfrf.response import rests
 from dea.narx import NarxModel
 from dea.terms import Term
-
-Array = NDArray[np.float64]
 
 
 class LinearPart(NamedTuple):

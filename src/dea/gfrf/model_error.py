@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.inputs import by_input
 from dea.missing import filled
 from dea.narx import NarxModel, as_input, simulate_varying
-
-Array = NDArray[np.float64]
 
 _LONGEST = 4000  # samples of a segment, which overlap by half
 _SEGMENTS = 8  # independent ones, at least: nine that overlap by half

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
 from dea.narx import BOUND, polished, simulate
 from dea.terms import Term, max_lag, static_value
-
-Array = NDArray[np.float64]
 
 _FIRST_RUN = 256  # samples; each further run is twice as long
 _RUNS = 11  # half a million samples in all: poles up to 0.9999 come to rest within them

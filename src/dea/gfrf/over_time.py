@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
@@ -19,7 +20,6 @@ from dea.inputs import by_input
 from dea.narx import NarxModel, as_input, input_of
 from dea.store import complex_parts, variable
 
-Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 
 

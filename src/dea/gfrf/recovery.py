@@ -1,12 +1,11 @@
 """How closely an identified model agrees with a known plant."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.gfrf.response import frequency_response
 from dea.narx import NarxModel, nmse
-
-Array = NDArray[np.float64]
 
 _LINES = 25  # frequencies on each axis at which responses are compared
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
@@ -15,7 +16,6 @@ from dea.gfrf.probing import probe
 from dea.narx import NarxModel, rate_of
 from dea.terms import input_symbol, static_value
 
-Array = NDArray[np.float64]
 Number = int | np.integer[Any]
 Inputs = str | Number | Sequence[str | Number] | None
 

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.gfrf.bands import ResponseBand, frequency_response_band
 from dea.narx import NarxModel
 from dea.nonparametric import Modelled, Periods, RelativeBand
-
-Array = NDArray[np.float64]
 
 
 def modelled_stretches(

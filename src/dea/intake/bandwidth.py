@@ -1,9 +1,8 @@
 """Up to which frequency a signal holds power, and how far apart samples may be to show it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dea.arrays import Array
 
 _POWER = 0.995  # share of the power above the noise that the band holds
 _PER_PERIOD = 20  # samples in a period of the highest frequency of the output

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea import store
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.intake.bandwidth import samples_to_average
 from dea.intake.roles import Answers, Roles, find_roles
 from dea.intake.settings import infer_settings
 from dea.missing import filled
 from dea.units import SECONDS
-
-Array = NDArray[np.float64]
 
 _JITTER = 1e-3  # share of the interval up to which times count as uniform
 _SEVERAL_RATES = 0.1  # share of steps below half of the usual one that are no jitter

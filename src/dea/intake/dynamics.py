@@ -11,12 +11,10 @@ from itertools import product
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.inputs import input_count
 from dea.narx import NarxModel, Scaling, candidate_terms, estimate, rmse, scaling_of
-
-Array = NDArray[np.float64]
 
 _ORDERS = (1, 2, 3, 4)
 _DELAYS = 24  # samples; the largest that is tried

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.intake.bandwidth import band
@@ -15,8 +16,6 @@ from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, writt
 from dea.missing import filled, runs
 from dea.store import Record
 from dea.warm_up import LONGEST_WARM_UP
-
-Array = NDArray[np.float64]
 
 # No measurement of these values is recorded, nor a source; the page on cases says what follows from
 # them, and a user may change what they lead to in the case.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 from dea.narx.kernels import BLOCK, NONE, Indices, output_of
 
 _DEPENDENT = 1e-12  # share of a regressor's norm below which the rest is rounding

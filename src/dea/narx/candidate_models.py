@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.narx.candidate_kernels import Candidates, EstimationData, estimate_and_simulate
-from dea.narx.checks import Array
 from dea.narx.kernels import NONE
 from dea.narx.limits import DIVERGED
 from dea.narx.regressors import regressor_matrix

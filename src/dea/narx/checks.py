@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.store import real_numbers
-
-Array = NDArray[np.float64]
 
 
 def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:

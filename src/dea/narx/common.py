@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from dea.arrays import Array
 from dea.missing import filled
-from dea.narx.checks import Array
 from dea.narx.metrics import nmse
 from dea.narx.model import NarxModel
 from dea.store import variable

@@ -7,10 +7,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
-from dea.narx.checks import Array, as_pair, check_variation, refuse_missing
+from dea.narx.checks import as_pair, check_variation, refuse_missing
 from dea.narx.labels import unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms

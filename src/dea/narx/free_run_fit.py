@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dea import least_squares
+from dea.arrays import Array
 from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
-from dea.narx.checks import Array
 from dea.narx.estimation import Segment, too_little
 from dea.narx.parameter_covariance import (
     DEPENDENT,

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.errors import InputError
-from dea.narx.checks import Array
 from dea.narx.estimation import Signals, as_segments, scaling_of
 from dea.narx.selection import search_terms
 from dea.terms import Term, as_terms

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.errors import InputError
-from dea.narx.checks import Array
 from dea.narx.model import NarxModel
 from dea.narx.segments import sensitivities
 from dea.store import Record

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 
 Indices: TypeAlias = NDArray[np.int64]
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.missing import stretches
-from dea.narx.checks import Array, as_pair
+from dea.narx.checks import as_pair
 from dea.store import Record, Text, each_text, input_names, real_numbers
 
 # Part by which the rate of a record may differ from the model's: a clock may be off by as much.

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.autocovariance import autocovariance
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.candidate_terms import InputLags, Lags, input_lag_lists, lag_list
-from dea.narx.checks import Array, as_record, as_signal, refuse_missing
+from dea.narx.checks import as_record, as_signal, refuse_missing
 from dea.narx.held_out import check_parts, held_out_error
 from dea.narx.labels import Labels, pair
 from dea.narx.model import NarxModel

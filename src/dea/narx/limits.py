@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 from dea.narx.simulation import simulate
 from dea.terms import Term
 

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.arrays import Array
 from dea.errors import InputError
-from dea.narx.checks import Array, as_signal
+from dea.narx.checks import as_signal
 
 
 def nmse(measured: ArrayLike, simulated: ArrayLike) -> float:

@@ -10,10 +10,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea import store
+from dea.arrays import Array
 from dea.equation import equation_html, equation_latex
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx.checks import Array, as_input, as_signal
+from dea.narx.checks import as_input, as_signal
 from dea.narx.labels import Labels, input_of, pair
 from dea.narx.metrics import nmse
 from dea.narx.model_dataset import model_dataset

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.equation import scaled_signals
-from dea.narx.checks import Array
 from dea.narx.scaling import Scaling
 from dea.terms import Term
 

@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dea.arrays import Array
 from dea.autoregression import Autoregression, fit_autoregression, noise_energy
-from dea.narx.checks import Array
 from dea.narx.regressors import regressor_matrix
 from dea.terms import Term, max_lag
 

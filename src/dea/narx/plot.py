@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 from dea.narx.labels import Labels
 
 

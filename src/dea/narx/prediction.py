@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import by_input
-from dea.narx.checks import Array
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
 from dea.terms import Term, max_lag

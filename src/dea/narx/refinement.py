@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dea import least_squares
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.least_squares import Model, Point
-from dea.narx.checks import Array
 from dea.narx.estimation import (
     Segment,
     Signals,

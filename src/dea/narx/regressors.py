@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.inputs import by_input
-from dea.narx.checks import Array, check_inputs
+from dea.narx.checks import check_inputs
 from dea.terms import Term, max_lag, numbered_inputs
 
 

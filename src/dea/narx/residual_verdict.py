@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.autoregression import fit_autoregression, innovations
 from dea.inputs import by_input, input_count
-from dea.narx.checks import Array
 from dea.narx.residuals import PAIR_TEST, each_test, product
 from dea.number_format import written_out
 

@@ -10,8 +10,8 @@ from itertools import combinations
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.inputs import by_input, input_count
-from dea.narx.checks import Array
 
 # Which two signals each test correlates, from residual e and input u; the second is delayed.
 TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {

@@ -6,8 +6,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.inputs import by_input
-from dea.narx.checks import Array
 from dea.terms import Term, static_value
 
 Complex: TypeAlias = NDArray[np.complex128]

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import input_count
-from dea.narx.checks import Array
 from dea.narx.simulation import BOUND
 
 # Of measured outputs, so that a run has room to exceed them before it counts as diverged.

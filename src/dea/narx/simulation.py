@@ -11,10 +11,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.narx import kernels
-from dea.narx.checks import Array, check_inputs
+from dea.narx.checks import check_inputs
 from dea.narx.kernels import NONE, Indices, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.inputs import by_input
-from dea.narx.checks import Array
 from dea.narx.limits import DIVERGED, LEEWAY, stays_in_range
 from dea.narx.rest import Rests, rests_over
 from dea.narx.scaling import Scaling

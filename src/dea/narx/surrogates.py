@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 
 _PASSES = 2  # of restoring spectrum and values in turn
 

@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.missing import filled, stretches
-from dea.narx.checks import Array, as_record
+from dea.narx.checks import as_record
 from dea.narx.estimation import estimate, normalised
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from dea.narx.checks import Array
+from dea.arrays import Array
 from dea.store import Text, each_text, variable
 from dea.units import power
 

@@ -5,9 +5,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import Intermodulation
-from dea.nonparametric.periods import Array
 
 Complex = NDArray[np.complex128]
 

@@ -12,8 +12,9 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.special import fdtri, stdtrit
 
+from dea.arrays import Array
 from dea.errors import InputError
-from dea.nonparametric.periods import Array, Periods
+from dea.nonparametric.periods import Periods
 
 Complex = NDArray[np.complex128]
 Lines = NDArray[np.int64]

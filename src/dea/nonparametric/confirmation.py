@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.nonparametric.agreement import RelativeBand, compare_intermodulation, compare_response
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import (
@@ -14,7 +15,6 @@ from dea.nonparametric.intermodulation import (
     intermodulation,
     signed,
 )
-from dea.nonparametric.periods import Array
 from dea.store import complex_parts, variable
 
 # Dimensions, values, units and label of each variable.

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtri
 
+from dea.arrays import Array
 from dea.nonparametric.best_linear import BestLinear, Lines
-from dea.nonparametric.periods import Array
 
 Complex = NDArray[np.complex128]
 

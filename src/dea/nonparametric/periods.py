@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.store import signals
-
-Array = NDArray[np.float64]
 
 
 class Periods(NamedTuple):

@@ -1,9 +1,7 @@
-"""The types of arrays, and of what becomes one, in this room."""
+"""What becomes an array, in this room."""
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
+from dea.arrays import Array
 
-Array = NDArray[np.float64]
 Values = Sequence[float] | Array

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 
 ROOM = 20.0  # °C

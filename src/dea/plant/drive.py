@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.dry_friction import DRY_STEPS, is_stiff, slowed
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import Forces, total_force, update_memory

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.dry_friction import DRY_STEPS, is_stiff, slowed
 from dea.plant.forces import Forces, total_force, update_memory
 from dea.plant.membrane import (

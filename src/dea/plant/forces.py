@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.plant.array import Array, Values
+from dea.arrays import Array
+from dea.plant.array import Values
 from dea.plant.force_laws.contact import (
     air_cushion,
     cone_stop,

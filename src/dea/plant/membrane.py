@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 
 EPSILON_0 = 8.8541878128e-12  # F/m
 ZONES = 5

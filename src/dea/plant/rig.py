@@ -6,9 +6,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.plant.amplifier import amplify
-from dea.plant.array import Array
 from dea.plant.film import FAULT, SUBSTEP, Y, rest
 from dea.plant.film import advance as advance_film
 from dea.plant.membrane import capacitance

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 
 

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dea.plant.array import Array, Values
+from dea.arrays import Array
+from dea.plant.array import Values
 
 
 class SignalLaw:

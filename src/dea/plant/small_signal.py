@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.film import FILM_VOLTAGE, GRAVITY, TIME, FilmState, V, X, Y, stretch
 from dea.plant.membrane import ZONES, Film, Source, capacitance, relaxation, settle, zones
 

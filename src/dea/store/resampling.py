@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Times between samples, as shares of the usual one: how far apart neighbours may be that a value
 # between them is interpolated from, how close one sample must be that it stands alone, and by how

@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.autoregression import fit_autoregression
 from dea.narx import NOT_WHITE
-
-Array = NDArray[np.float64]
 
 NOT_MOVED = (
     "no step of the free-run smoother lowered the error of the free run, so that this is the "

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.missing import filled
 from dea.narx import (
@@ -24,7 +25,6 @@ from dea.store import variable
 from dea.tracking.sensitivity import sensitivity
 from dea.tracking.structure import with_constant
 
-Array = NDArray[np.float64]
 FIXED = "fixed"
 
 

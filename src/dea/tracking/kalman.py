@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.tracking.kalman_passes import run_filter, run_smoother, score
 
-Array = NDArray[np.float64]
 NOWHERE = np.empty(0, dtype=np.int64)
 LOWEST_RATIO, HIGHEST_RATIO = 1e-14, 1e-2  # bounds of the noise ratios
 

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import FreeRunFit, NarxModel, curvature, fit_free_runs
 from dea.tracking.scatter import widened
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _OVERLAP = 8  # windows that hold a sample

@@ -31,6 +31,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.autoregression import whiten
 from dea.narx import (
     FreeRun,
@@ -44,8 +45,6 @@ from dea.narx import (
 from dea.tracking.kalman import NOWHERE, Smoothed
 from dea.tracking.random_walk import RandomWalk, lead_in
 from dea.tracking.sensitivity import sensitivity
-
-Array = NDArray[np.float64]
 
 _ITERATIONS = 5
 _SMALLEST_STEP = 1.0 / 64.0

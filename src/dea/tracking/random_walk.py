@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.tracking.kalman import NOWHERE, Smoothed, fit_noise_ratio, smooth
 from dea.tracking.unknown_ratios import covariance_with_unknown_ratios
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.tracking.setting_checks import check_settings
-
-Array = NDArray[np.float64]
 
 
 class RlsTrack(NamedTuple):

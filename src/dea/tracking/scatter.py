@@ -15,12 +15,10 @@ largest of the directions, are left as they are, lest records in which nothing s
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from dea.arrays import Array
 from dea.narx import LEVEL, quantile
-
-Array = NDArray[np.float64]
 
 # Squared differences beyond so many medians count no more: those of windows in another minimum.
 _LARGEST = 10.0

@@ -2,12 +2,10 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.narx import feedback_slope, regressor_matrix
 from dea.terms import Term, max_lag
-
-Array = NDArray[np.float64]
 
 
 def sensitivity(terms: tuple[Term, ...], theta: Array, u: Array, y: Array) -> Array:

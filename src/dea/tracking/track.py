@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea import store
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import (
     NarxModel,
@@ -42,7 +43,6 @@ from dea.tracking.structure import with_constant
 from dea.tracking.track_dataset import TrackerEstimate, track_dataset
 from dea.tracking.unknown_ratios import mean_common_ratio
 
-Array = NDArray[np.float64]
 _THINNING = 10
 _SMOOTHER = {"delta": 1e-4, "noise_ratio": None, "thinning": _THINNING, "instants": 360}
 _NAMES = {"kalman": "Kalman smoother", "fixed": "model's own parameters"}

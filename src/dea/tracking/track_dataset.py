@@ -7,10 +7,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dea import store
+from dea.arrays import Array
 from dea.narx import LEVEL, NarxModel, quantile
 from dea.tracking.random_walk import lead_in
-
-Array = NDArray[np.float64]
 
 
 class TrackerEstimate(NamedTuple):

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, likelihood, smooth, thinned
-
-Array = NDArray[np.float64]
 
 _NODES = 12  # ratios of a parameter that its posterior is taken over
 _COMMON_NODES = 48  # those of a common one, which costs no smoothing

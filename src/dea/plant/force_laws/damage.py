@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 
 POWER, LOGARITHM, SATURATING, STAGES = range(4)
 

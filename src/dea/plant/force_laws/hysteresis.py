@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 
 
 @njit(cache=True, error_model="numpy")

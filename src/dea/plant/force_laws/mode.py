@@ -8,7 +8,7 @@ where each turn is: the second mass takes a midpoint step.
 import numpy as np
 from numba import njit
 
-from dea.plant.array import Array
+from dea.arrays import Array
 
 HARDENING, PENDULUM, BILINEAR = 0.0, 1.0, 2.0
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.chamber import ROOM, Chamber, heat
 from dea.plant.drive import Drive, turn
 from dea.plant.film import FAULT, Y, vertical_stiffness

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.seeds import generator
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.least_squares import Damping, Model, Point, minimise
-from dea.plant.array import Array
 from dea.plant.hidden.devices import DeviceKind, Plain
 from dea.plant.hidden.effect import Conditions, Law
 from dea.plant.hidden.rig import TrialRig

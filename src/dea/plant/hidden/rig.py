@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.converter import Converter
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw

@@ -7,8 +7,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from dea.arrays import Array
 from dea.errors import InputError
-from dea.plant.array import Array
 from dea.plant.hidden.catalogue import EFFECTS
 from dea.plant.hidden.devices import DEVICES, DeviceKind
 from dea.plant.hidden.effect import Built, Conditions, Port

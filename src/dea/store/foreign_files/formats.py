@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.store.foreign_files.headings import LOOKED_AT, headings_and_units, is_data
-from dea.store.foreign_files.table import Array, ForeignTable, from_columns, plain_units
+from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
 from dea.store.foreign_files.text import read_text
 
 

@@ -7,13 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from dea.arrays import Array
 from dea.errors import InputError
 from dea.store.foreign_files.clock import is_day, is_time_of_day, joined, seconds
 from dea.units import SECONDS
-
-Array = NDArray[np.float64]
 
 # What instruments write where there is no number.
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")

@@ -4,8 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
+from dea.arrays import Array
 from dea.plant import forces
-from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.random import Generator
 
+from dea.arrays import Array
 from dea.plant import forces
-from dea.plant.array import Array
 from dea.plant.force_laws import in_time
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning

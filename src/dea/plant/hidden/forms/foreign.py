@@ -6,7 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
-from dea.plant.array import Array, Values
+from dea.arrays import Array
+from dea.plant.array import Values
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
 from dea.plant.hidden.forms.kernels import note, noted

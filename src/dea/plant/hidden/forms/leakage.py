@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
-from dea.plant.array import Array
+from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.hidden.forms.kernels import parallel
