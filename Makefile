@@ -47,8 +47,14 @@ KEEP = $(if $(filter-out 0,$(STORE)),--store)
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
 
-$(VENV)/installed: environment.txt pyproject.toml requirements.in requirements-workflow.in
-	$(PYTHON) -m venv $(VENV)
+# An environment names the folder that it was made in by whole paths: in a copy of the project it runs
+# the code of the original. `--clear` where one is to be made again; a link to one was meant.
+anew = $(shell line=$$(grep -s '^command = ' $(1)/pyvenv.cfg); case "$$line" in \
+	(''|*' '$(call quoted,$(CURDIR)/$(1))) ;; (*) test -L $(1) || echo --clear;; esac)
+
+$(VENV)/installed: environment.txt pyproject.toml requirements.in requirements-workflow.in \
+		$(if $(call anew,$(VENV)),FORCE)
+	$(PYTHON) -m venv $(call anew,$(VENV)) $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --requirement environment.txt
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
@@ -162,8 +168,9 @@ interoperability: peers $(VENV)/installed ## client and bench against libmodbus,
 soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 	python -m benchmarks.acquisition --soak $(KEEP)
 
-.venv-docs/installed: docs/site/environment.txt requirements.in environment.txt
-	$(PYTHON) -m venv .venv-docs
+.venv-docs/installed: docs/site/environment.txt requirements.in environment.txt \
+		$(if $(call anew,.venv-docs),FORCE)
+	$(PYTHON) -m venv $(call anew,.venv-docs) .venv-docs
 	.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check \
 		--requirement $< --requirement requirements.in --constraint environment.txt
 	touch $@

@@ -131,6 +131,47 @@ def test_the_documentation_is_built_in_a_folder_with_a_space(folder):
 
 
 @pytest.fixture
+def whole(folder):
+    """The folder with what an environment is made from, older than the environments."""
+    sources = ["environment.txt", "pyproject.toml", "requirements.in", "requirements-workflow.in"]
+    (folder / "docs/site").mkdir(parents=True)
+    for source in (*sources, "docs/site/environment.txt"):
+        (folder / source).touch()
+        os.utime(folder / source, (0, 0))
+    write_program(folder / "standin", STANDIN)
+    write_program(folder / ".venv-docs/bin/python", STANDIN)
+    return folder
+
+
+def environments(folder, target):
+    """Make a target, and return how environments were made for it."""
+    free = {key: value for key, value in os.environ.items() if not key.startswith("MAKE")}
+    ran = subprocess.run(
+        ["make", target, "PYTHON=./standin"],
+        cwd=folder, env=free | {"CORES": "1"}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return [line[3:] for line in programs(ran.stderr) if line[:3] == ["standin", "-m", "venv"]]
+
+
+@pytest.mark.parametrize(("target", "own"), [("env", ".venv"), ("docs", ".venv-docs")])
+def test_an_environment_of_another_folder_is_made_again(whole, target, own):
+    """Its programs and its package name that folder: they would run the code that lies there."""
+    made = "home = /usr/bin\ncommand = /usr/bin/python3.11 -m venv {}\n"
+    file = whole / own / "pyvenv.cfg"
+    assert environments(whole, target) == []
+    for here in (f"{whole}/{own}", f"--clear {whole}/{own}"):
+        file.write_text(made.format(here))
+        assert environments(whole, target) == []
+    for elsewhere in (f"/the original/{own}", f"{whole}-2/{own}", f"/a{whole}/{own}"):
+        file.write_text(made.format(elsewhere))
+        assert environments(whole, target) == [["--clear", own]]
+    # Whoever links to an environment means it; nor is one that others use to be emptied.
+    (whole / own).rename(whole / "shared")
+    (whole / own).symlink_to("shared")
+    assert environments(whole, target) == []
+
+
+@pytest.fixture
 def signed(folder):
     """The signature of a manifest, and a key."""
     (folder / "results/MANIFEST.json").write_text("{}")
