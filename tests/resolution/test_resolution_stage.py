@@ -463,6 +463,21 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(source):
         own.design(1, (), lambda: made)
 
 
+@pytest.mark.parametrize("text", ["", '{"first_record": "a', "[]", "{}", None])
+def test_a_design_that_is_damaged_is_refused_with_a_remedy(source, text):
+    own = source("film1")
+    made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
+    own.design(1, (), lambda: made)
+    if text is None:
+        (own.place(1) / "excitation.csv").unlink()
+    else:
+        (own.place(1) / "design.json").write_text(text)
+    with pytest.raises(InputError, match="delete results/resolve/film1/round_1 to design it again"):
+        own.design(1, (), lambda: made)
+    shutil.rmtree(own.place(1))
+    np.testing.assert_array_equal(own.design(1, (), lambda: made).u, made.u)
+
+
 def test_a_design_that_was_not_driven_obeys_the_limits_of_today(source):
     own = source("dea1")
     own.write_table = lambda path, u: put(own, 1, u)

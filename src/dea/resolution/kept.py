@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,30 +95,33 @@ class Kept:
         Raises
         ------
         InputError
-            If it rests on another, or its excitation is not the one that was designed.
+            If it rests on another or is damaged, or its excitation is not what was designed.
         """
         return self._read(number)[0]
 
     def _read(self, number: int) -> tuple[Design, Any]:
         """Return the design that is kept, and what it followed from."""
-        file = self.place(number) / "design.json"
-        table = file.with_name("excitation.csv")
-        said = json.loads(file.read_text())
-        followed_from = said.pop("follows_from", None)
-        if not self.is_first(said.pop("first_record")):
+        place = self.place(number)
+        file, table = place / "design.json", place / "excitation.csv"
+        remedy = f"Bring it back from a backup, or delete {place} to design it again"
+        try:
+            said = json.loads(file.read_text())
+            first, designed = said.pop("first_record"), said.pop("sha256")
+            followed_from = said.pop("follows_from", None)
+            kept = Design(**said | {"u": np.empty(0), "closest": tuple(said["closest"])})
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"it is no design ({error})", file=file, remedy=remedy) from error
+        if not self.is_first(first):
             raise InputError(
                 f"it was designed for another record than {self.first} holds now",
                 file=file,
                 remedy=f"Move {self.folder} away; records of hardware stay in {archive.ROOT}",
             )
-        if said.pop("sha256") != store.sha256(table):
+        if not table.exists() or store.sha256(table) != designed:
             raise InputError(
-                "it is not the excitation that was designed",
-                file=table,
-                remedy=f"Bring it back from a backup, or delete {file.parent} to design it again",
+                "it is not the excitation that was designed", file=table, remedy=remedy
             )
-        u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
-        return Design(**said | {"u": u, "closest": tuple(said["closest"])}), followed_from
+        return replace(kept, u=np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]), followed_from
 
     def first_digest(self) -> str:
         """Return the SHA-256 of the first record's signals and units.
