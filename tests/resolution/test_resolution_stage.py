@@ -257,6 +257,31 @@ def test_a_design_that_was_not_driven_is_made_anew_for_other_limits_of_the_devic
 
 
 @pytest.mark.parametrize(
+    ("given", "wrong", "wanted"),
+    [
+        (["resolve_2"], "resolve_2", "resolve_1"),
+        (["resolve_fresh"], "resolve_fresh", "resolve_1"),
+        (["resolve_1", "resolve_3", "resolve_fresh"], "resolve_3", "resolve_2"),
+    ],
+)
+def test_a_designed_record_that_no_round_has_asked_for_is_refused(case, given, wrong, wanted):
+    for key in given:
+        hand_in(case, key, np.sin(np.arange(100) / 10), 1)
+    said = f"carriage.yaml: records.{wrong}: there is no record {wanted}, which comes before it"
+    with pytest.raises(InputError, match=said):
+        resolve("carriage", "me", 1)
+
+
+@pytest.mark.parametrize(
+    "given", [["another"], ["another", "resolve_1"], ["resolve_2", "resolve_1", "resolve_fresh"]]
+)
+def test_designed_records_in_their_order_are_taken(case, monkeypatch, given):
+    for key in given:
+        hand_in(case, key, np.sin(np.arange(100) / 10), 1)
+    designed_anew("carriage", monkeypatch)
+
+
+@pytest.mark.parametrize(
     ("name", "said"),
     [
         ("carriag", "there is no actuator or case 'carriag'. Did you mean 'carriage'?"),

@@ -33,6 +33,31 @@ class ByHand(Kept):
     case: Case
     case_file: Path
 
+    def check_keys(self) -> None:
+        """Check that each designed record of the case has those before it.
+
+        Raises
+        ------
+        InputError
+            For one that no round has asked for, since the rounds before it are missing.
+        """
+        given = {key for key in self.case.records if key.startswith(DESIGNED)}
+        number = 1
+        while record_key(number) in given:
+            given.remove(record_key(number))
+            number += 1
+        if number > 1:
+            given.discard(record_key(CERTIFICATE))
+        if given:
+            early = min(given)
+            raise InputError(
+                f"there is no record {record_key(number)}, which comes before it",
+                file=self.case_file,
+                field=f"records.{early}",
+                remedy=f"Name it {record_key(number)}, if it is the record that was asked for, or"
+                " take it out",
+            )
+
     def file(self, number: int) -> Path:
         """Return the file of a record as the workflow has imported it."""
         return self.further / f"{record_key(number)}.nc"

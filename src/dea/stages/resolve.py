@@ -86,6 +86,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     else:
         limits = _of_records(study, records)
         source = ByHand(folder, first, limits, asked, further, case, CASES / f"{name}.yaml")
+        source.check_keys()
     withdraw()
     _withdraw_found(folder)
     found = resolution.resolve(
