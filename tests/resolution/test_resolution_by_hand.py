@@ -1,13 +1,40 @@
 """Designed records that are made by hand."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from made_devices import LIMITS
 
+from dea.configuration.case import check_case
+from dea.configuration.files import read_yaml
+from dea.configuration.study import check_study
+from dea.resolution import Design, experiment_page
 from dea.resolution.by_hand import plays
 from dea.resolution.excitation import express, genes
+
+
+@pytest.mark.parametrize(
+    "units", [("V", "mm"), ("%", "degC"), ("1", "Ω"), ("no", "m/s^2"), ('"', ": {°}")]
+)
+@pytest.mark.parametrize("others", [False, True])
+def test_what_the_page_says_to_add_makes_a_case_that_is_read(tmp_path, units, others):
+    design = Design(np.sin(np.arange(50) / 10), -5.0, ("a", "b"), 3.0, "free")
+    page = experiment_page("rig", "resolve_2", design, LIMITS, {"a": 1.0}, units, others=others)
+    entry = re.search(r"```yaml\n(.*?)```", page, re.DOTALL)[1]
+    file = tmp_path / "rig.yaml"
+    column = "{column: a, units: V}"
+    record = f"{{file: a.csv, sampling_interval: 0.02, input: {column}, output: {column}}}\n"
+    before = f"records:\n  another: {record}" if others else ""
+    file.write_text(f"title: A rig\nrecord: {record}{before}{entry}")
+    config = Path(__file__).parents[2] / "config/config.yaml"
+    study = check_study(read_yaml(config, what="", example=""))
+    case = check_case(read_yaml(file, what="", example=""), study)
+    found = case.records["resolve_2"]
+    assert (found.input.units, found.output.units) == units
+    assert ("another" in case.records) is others
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,9 @@ def test_a_certificate_asks_the_explanations_that_are_left():
     assert LIMITS.allows(design.u)
     assert design.closest == ()
     assert fresh_design(known(left=("away",)), LIMITS, SETTINGS, OPTIONS) is None
-    page = experiment_page("carriage", "resolve_fresh", design, LIMITS, {"a": 1.0}, ("V", "V"))
+    page = experiment_page(
+        "carriage", "resolve_fresh", design, LIMITS, {"a": 1.0}, ("V", "V"), others=True
+    )
     assert "the one that is left" in page
 
 

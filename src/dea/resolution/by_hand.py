@@ -1,5 +1,6 @@
 """A designed record for a device that no program drives: what to run, and how to hand it in."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -94,6 +95,7 @@ class ByHand(Kept):
                 experiment_page(
                     self.folder.name, record_key(found.pending), design, self.limits,
                     found.last.posterior.now, found.last.diagnosis.units,
+                    others=bool(self.case.records),
                 ),
                 encoding="utf-8",
             )  # fmt: skip
@@ -106,8 +108,16 @@ def experiment_page(
     limits: Limits,
     probabilities: Mapping[str, float],
     units: tuple[str, str],
+    *,
+    others: bool,
 ) -> str:
-    """Return the page, in Markdown, that says how to make the record ``key`` of a case."""
+    """Return the page, in Markdown, that says how to make the record ``key`` of a case.
+
+    ``others`` says whether the case has further records already.
+    """
+    place = f"`config/cases/{name}.yaml`"
+    if others:
+        place = f"the `records:` that is in {place}"
     seconds = design.u.size / limits.sampling_rate
     rate = float(np.abs(np.diff(design.u)).max()) * limits.sampling_rate
     told = "The record of `next_excitation.csv` shows how well the one that is left predicts."
@@ -140,16 +150,16 @@ def experiment_page(
         "* Record input and output as in the first record, at the same rate.",
         "",
         "## Hand it in",
-        f"Add the record to `config/cases/{name}.yaml` under this name, with columns as those of"
-        " the first one, and run the same command again:",
+        f"Add the record to {place} under this name, with columns as those of the first one, and"
+        " run the same command again:",
         "",
         "```yaml",
-        "records:",
+        *([] if others else ["records:"]),
         f"  {key}:",
         "    file: data/my_new_record.csv",
         "    time: {column: t, units: s}",
-        f"    input: {{column: u, units: {units[0]}}}",
-        f"    output: {{column: y, units: {units[1]}}}",
+        f"    input: {{column: u, units: {_quoted(units[0])}}}",
+        f"    output: {{column: y, units: {_quoted(units[1])}}}",
         "```",
         "",
         "```",
@@ -157,6 +167,11 @@ def experiment_page(
         "```",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _quoted(units: str) -> str:
+    """Return units as text of YAML, which takes `%` for no text and `1` for a number."""
+    return json.dumps(units, ensure_ascii=False)
 
 
 def plays(played: np.ndarray, asked: np.ndarray) -> bool:
