@@ -272,6 +272,47 @@ def test_a_designed_record_that_no_round_has_asked_for_is_refused(case, given, w
         resolve("carriage", "me", 1)
 
 
+def at_51_hz(u, seed):
+    record = DEVICE(u, seed)
+    time = record["time"]
+    return record.assign_coords(time=time.copy(data=time.values * 50 / 51))
+
+
+def columns_swapped(u, seed):
+    return as_record(0.5 * np.roll(u, 5), u)
+
+
+@pytest.mark.parametrize(
+    ("change", "device", "said"),
+    [
+        (lambda u: u[:250], DEVICE, "it has 250 of 300 samples. Play and record all of it"),
+        (lambda u: u, at_51_hz, "it is sampled at 51 Hz, and that is at 50 Hz. Play and record"),
+        (lambda u: u, columns_swapped, "its output is. Exchange the columns"),
+        (lambda u: 1e3 * u, DEVICE, "it is 1000 times that. Play it as it stands"),
+        (lambda u: u + 0.5, DEVICE, "it is 1 times that, plus 0.5 V"),
+        (
+            lambda u: np.concatenate([np.full(50, u[0]), u, np.zeros(9)]),
+            DEVICE,
+            r"that begins at sample 50, at 1 s. Leave out .* `rows: \[50, 350\]`",
+        ),
+        (lambda u: np.random.default_rng(0).uniform(-1, 1, 300), DEVICE, "Play that excitation"),
+    ],
+)
+def test_a_record_that_was_not_made_as_asked_is_refused_with_what_is_wrong(
+    case, monkeypatch, change, device, said
+):
+    u = np.sin(2 * np.pi * (np.arange(300) / 150) ** 2)
+    hand_in(case, "resolve_1", change(u), 1, device)
+
+    def as_far_as_the_first_record(records, simulation, source, limits, **options):
+        source.record(1, u)
+
+    monkeypatch.setattr("dea.resolution.resolve", as_far_as_the_first_record)
+    said = r"carriage.yaml: records.resolve_1: its input is not the excitation of \S*\.csv.*" + said
+    with pytest.raises(InputError, match=said):
+        resolve("carriage", "me", 1)
+
+
 @pytest.mark.parametrize(
     "given", [["another"], ["another", "resolve_1"], ["resolve_2", "resolve_1", "resolve_fresh"]]
 )

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # off (root mean square), since it may be measured; and the samples by which it may be late.
 _LEAST, _OFF = 0.95, 0.25
 _LATE = 2
+_SAME = 1e-6  # part by which a rate may be off, as in a diagnosis of several records
 
 
 @dataclass
@@ -72,12 +73,14 @@ class ByHand(Kept):
         if not self.recorded(number):
             return None
         found = store.read_record(self.file(number))
-        if not plays(store.signals(found).u, u):
+        if mistake := _mistake(store.signals(found), u, self.limits.sampling_rate):
+            problem, remedy = mistake
             raise InputError(
-                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
+                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}"
+                + problem,
                 file=self.case_file,
                 field=f"records.{record_key(number)}",
-                remedy="Play that excitation, or name the record otherwise to begin with it",
+                remedy=remedy,
             )
         return found
 
@@ -147,7 +150,8 @@ def experiment_page(
         f" {rate:.4g} {units[0]}/s. Before it, let the device rest at the first value.",
         f"* The output is expected between {limits.output_low:.4g} and {limits.output_high:.4g}"
         f" {units[1]}. Stop where it leaves this range.",
-        "* Record input and output as in the first record, at the same rate.",
+        "* Record input and output as in the first record, at the same rate. The rest before it is"
+        " no part of the record: leave it out of the file, or name the rows after it (`rows`).",
         "",
         "## Hand it in",
         f"Add the record to {place} under this name, with columns as those of the first one, and"
@@ -178,6 +182,50 @@ def plays(played: np.ndarray, asked: np.ndarray) -> bool:
     """Return whether an input that was recorded is the one asked for, but for noise and ends."""
     allowed = _OFF * np.std(asked)
     return any(_off(played, asked, shift) <= allowed for shift in range(-_LATE, _LATE + 1))
+
+
+def _mistake(found: store.Record, asked: np.ndarray, rate: float) -> tuple[str, str] | None:
+    """Return how the input of a record differs from what was asked for, and what to do.
+
+    ``rate`` is that of the excitation, in Hz. Nothing where the record plays it.
+    """
+    if abs(found.sampling_rate - rate) > _SAME * rate:
+        return (
+            f": it is sampled at {found.sampling_rate:.8g} Hz, and that is at {rate:.8g} Hz",
+            "Play and record it at that rate; closer samples are averaged by"
+            f" `resample: {1.0 / rate:.9g}`",
+        )
+    if plays(found.u, asked):
+        return None
+    size = asked.size
+    if found.u.size < _LEAST * size:
+        return f": it has {found.u.size} of {size} samples", "Play and record all of it"
+    if plays(np.nan_to_num(found.y), asked):
+        return ": its output is", "Exchange the columns of input and output"
+    begin = _begin(found.u, asked)
+    if plays(found.u[begin:], asked):
+        return (
+            f": that begins at sample {begin}, at {begin / rate:g} s",
+            f"Leave out what is before it, as by `rows: [{begin}, {begin + size}]`",
+        )
+    played, wanted = found.u[:size], asked[: found.u.size]
+    factor, offset = np.polyfit(wanted, played, 1) if np.ptp(wanted) else (1.0, 0.0)
+    allowed = _OFF * abs(factor) * np.std(asked)
+    if _off(played, factor * wanted + offset, 0) <= allowed:
+        plus = f", plus {offset:.3g} {found.u_units}" if abs(offset) > allowed else ""
+        return (
+            f": it is {factor:.4g} times that{plus}",
+            "Play it as it stands there, and give the record in the units of the first one",
+        )
+    return "", "Play that excitation, or name the record otherwise to begin with it"
+
+
+def _begin(played: np.ndarray, asked: np.ndarray) -> int:
+    """Return the sample at which an excitation is likeliest to begin in a longer input."""
+    if played.size <= asked.size:
+        return 0
+    squares = np.correlate(played**2, np.ones(asked.size), "valid")
+    return int(np.argmin(squares - 2.0 * np.correlate(played, asked, "valid")))
 
 
 def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
