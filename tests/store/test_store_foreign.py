@@ -136,7 +136,18 @@ def test_a_missing_value_is_flagged_where_it_is_asked_for(tmp_path):
         store.Record.read(tmp_path / "mine.csv", **NAMED)
     record = store.Record.read(tmp_path / "mine.csv", **NAMED, resample=0.5)
     np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.y)), [3])
-    np.testing.assert_array_equal(np.delete(record.u, 3), np.delete(U, 3))
+    np.testing.assert_array_equal(record.u, U)
+
+
+@pytest.mark.parametrize("rows", [None, [3, 18]])
+def test_an_input_is_read_as_it_stands_beside_a_missing_output(rows, tmp_path):
+    lines = [f"{0.5 * k},{(7 * k) % 5},{k if k not in (6, 7, 12) else ''}" for k in range(20)]
+    (tmp_path / "mine.csv").write_text("\n".join(["t,u,y", *lines]))
+    described = case("mine.csv", sampling_interval=None, time={"column": "t", "units": "s"})
+    record = store.import_record(described | {"resample": 0.5, "rows": rows}, root=tmp_path)
+    part = np.arange(20)[slice(*(rows or [None]))]
+    np.testing.assert_array_equal(record["input"], (7 * part) % 5)
+    np.testing.assert_array_equal(record["quality"], np.isin(part, [6, 7, 12]))
 
 
 def test_a_record_whose_first_time_is_missing_begins_with_the_next_one(tmp_path):

@@ -167,6 +167,46 @@ def test_a_value_missing_from_any_column_leaves_its_sample_out(signal, lost):
     np.testing.assert_allclose(found.u, np.stack(straight(found.time), axis=1))
 
 
+@pytest.mark.parametrize("jitter", [0.0, 0.1])
+@pytest.mark.parametrize("inputs", [1, 2])
+def test_an_input_is_kept_where_another_signal_is_missing(inputs, jitter):
+    rng = np.random.default_rng(5)
+    time = np.arange(80.0) + np.r_[0.0, rng.uniform(-jitter, jitter, 79)]
+    u = rng.normal(size=(80, inputs)).squeeze()
+    y = rng.normal(size=80)
+    whole = resample(time, u, y, 1.0)
+    lost = y.copy()
+    lost[20:31] = np.nan
+    found = resample(time, u, lost, 1.0)
+    np.testing.assert_allclose(found.u, whole.u, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), np.r_[20:31])
+    if inputs == 2:
+        u = u.copy()
+        u[50:53, 1] = np.nan
+        found = resample(time, u, lost, 1.0)
+        np.testing.assert_allclose(found.u[:, 0], whole.u[:, 0], rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(np.flatnonzero(found.missing), np.r_[20:31, 50:53])
+
+
+def test_samples_are_averaged_with_the_inputs_of_those_without_output():
+    time = 0.001 * np.arange(200)
+    u, y = np.random.default_rng(6).normal(size=(2, 200))
+    y[23:26], y[61:69] = np.nan, np.nan
+    found = resample(time, u, y, 0.01)
+    np.testing.assert_allclose(found.u, u.reshape(20, 10).mean(axis=1))
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), [6])
+
+
+def test_times_may_stand_twice_in_rows_of_different_signals_and_not_of_one():
+    time = np.r_[0:10.0, 9.0, 10:20.0]
+    u, y = straight(time)
+    u[9], y[10] = np.nan, np.nan
+    np.testing.assert_allclose(resample(time, u, y, 1.0).u, straight(np.arange(20.0))[0])
+    u[9] = 0.0
+    with pytest.raises(InputError, match="sample 10 is at 9 s, the one before it at 9 s"):
+        resample(time, u, y, 1.0)
+
+
 @pytest.mark.parametrize(("interval", "ends"), [(0.02, "1.7e\\+09"), (1e-9, "1.7e\\+09")])
 def test_a_time_that_is_far_off_is_refused_before_memory_is_asked_for(interval, ends):
     """A logger whose clock was set after its first five samples."""

@@ -21,7 +21,7 @@ class IntervalError(InputError):
 
 
 class Uniform(NamedTuple):
-    """Samples on uniform times; NaN in ``y`` where ``missing``, ``u`` interpolated there."""
+    """Samples on uniform times; NaN in ``y`` where ``missing``: a gap of ``y`` or of ``u``."""
 
     time: Array
     u: Array
@@ -83,7 +83,8 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     """Place samples of any times ``interval`` apart, from the first on.
 
     Where samples are closer together than that by a factor of 1.5 or more, they are first placed on
-    a grid of their own rate, then averaged, those of each interval into one.
+    a grid of their own rate, then averaged, those of each interval into one. Each signal is
+    interpolated between the samples of its own that are known.
 
     Parameters
     ----------
@@ -103,7 +104,7 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
             f"{np.count_nonzero(known)} samples have both input and output",
             remedy="Record at least three",
         )
-    at, u_known, y_known = time[known], u[known], y[known]
+    at = time[known]
     check_order(at)
     several = samples_per_interval(at, interval)
     step = interval / several
@@ -124,15 +125,27 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
             remedy="Correct the times or the interval, or cut the record at the gap",
         )
     grid = at[0] + step * np.arange(count)
+    columns = u.reshape(y.size, -1).T
+    placed = [_on_grid(time, values, grid, step) for values in (*columns, y)]
+    missing = np.any([gap for _, gap in placed], axis=0)
+    *u_grid, y_grid = (values for values, _ in placed)
+    y_grid = np.where(missing, np.nan, y_grid)
+    found = _averaged(grid - at[0], np.stack(u_grid, axis=1), y_grid, several)
+    return found._replace(u=found.u.reshape(-1, *u.shape[1:]))
+
+
+def _on_grid(
+    time: Array, values: Array, grid: Array, step: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a signal interpolated to times ``step`` apart, and which of them lie in its gaps."""
+    known = np.isfinite(time) & np.isfinite(values)
+    at = time[known]
+    check_order(at)
     after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
     gap = at[after] - at[after - 1]
     nearest = np.minimum(np.abs(grid - at[after - 1]), np.abs(at[after] - grid))
     missing = (gap > _NEIGHBOURS * step) & (nearest > _CLOSE * step)
-    y_grid = np.where(missing, np.nan, np.interp(grid, at, y_known))
-    columns = u_known.reshape(at.size, -1).T
-    u_grid = np.stack([np.interp(grid, at, column) for column in columns], axis=1)
-    found = _averaged(grid - at[0], u_grid, y_grid, several)
-    return found._replace(u=found.u.reshape(-1, *u.shape[1:]))
+    return np.interp(grid, at, values[known]), missing
 
 
 def _averaged(time: Array, u: Array, y: Array, several: int) -> Uniform:
