@@ -262,6 +262,31 @@ def test_a_row_of_too_many_numbers_is_refused_with_its_line(tmp_path):
     np.testing.assert_array_equal(found.columns["y"][-2:], [0.5, 2.0])
 
 
+@pytest.mark.parametrize("blank", [0, 1, 2])
+@pytest.mark.parametrize("at", [1, 7, 19])
+def test_a_blank_between_spaces_is_refused_with_its_line(at, blank, tmp_path):
+    """It would move what stands behind it to the left."""
+    rows = [[f"{k / 8:.3f}", f"{k % 5}", f"{-k}"] for k in range(20)]
+    rows[at][blank] = ""
+    text = "\n".join("".join(f"{field:>10}" for field in row) for row in [["t", "u", "y"], *rows])
+    with pytest.raises(InputError, match=f"line {at + 2} has 2 fields, and the table 3. Write nan"):
+        read(tmp_path, text)
+    rows[at][blank] = "nan"
+    text = "\n".join("".join(f"{field:>10}" for field in row) for row in [["t", "u", "y"], *rows])
+    assert np.isnan(read(tmp_path, text).columns["tuy"[blank]][at])
+
+
+def test_between_spaces_a_word_at_the_end_may_be_missing_and_none_within(tmp_path):
+    rows = [f"{k}.5 {k} ok" for k in range(9)]
+    rows[4] = "4.5 nan"
+    found = read(tmp_path, "\n".join(["u y state", *rows, "end of the record"]), "end.txt")
+    np.testing.assert_array_equal(found.columns["y"][:6], [0, 1, 2, 3, np.nan, 5])
+    rows = [f"{k}.5 ok {k}" for k in range(9)]
+    rows[4] = "4.5 4"
+    with pytest.raises(InputError, match="line 6 has 2 fields, and the table 3"):
+        read(tmp_path, "\n".join(["u state y", *rows]), "within.txt")
+
+
 def test_what_instruments_write_for_no_number_is_none(tmp_path):
     found = read(tmp_path, "u,y\n1,9.91E+37\n2,-9.9E37\n3,4\n")
     np.testing.assert_array_equal(found.columns["y"], [np.nan, np.nan, 4.0])

@@ -42,7 +42,8 @@ def read_text(file: Path) -> ForeignTable:
     Raises
     ------
     InputError
-        If no line holds two numbers, or two columns have one name.
+        If no line holds two numbers, a line holds more or fewer than the table, or two columns have
+        one name.
     """
     # A tab at the end of a line may separate an empty field.
     whole = [line.rstrip(" ") for line in _decoded(file).splitlines()]
@@ -55,6 +56,8 @@ def read_text(file: Path) -> ForeignTable:
         )
     begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
     _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
+    if layout.separator == " ":
+        _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
     # Above a last column in which there is nothing a heading may stand.
     widest = layout.columns + layout.closed
     above = _of_width(rows[:begin], layout, widest) or _of_width(remarks[-1:], layout, widest)
@@ -100,6 +103,38 @@ def _refuse_wide_rows(
                 file=file,
                 remedy="Correct it; a number with a mark of thousands is to be quoted",
             )
+
+
+def _refuse_narrow_rows(
+    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
+) -> None:
+    """Refuse a row of numbers between spaces that does not say which of them is missing.
+
+    Where all that the first row has more are words at its end, none is.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    whole = _are_numbers(rows[0], layout)
+    for row, number in zip(rows, numbered, strict=True):
+        fields = _fields(row, layout)
+        if len(fields) >= layout.columns or not is_data(_pointed(fields, layout.decimal)):
+            continue
+        lacking = layout.columns - len(fields)
+        if [*_are_numbers(row, layout), *[False] * lacking] != whole:
+            raise InputError(
+                f"line {number + 1} has {len(fields)} fields, and the table {layout.columns}",
+                file=file,
+                remedy="Write nan in the place of what is missing, or delete the line",
+            )
+
+
+def _are_numbers(row: str, layout: Layout) -> list[bool]:
+    """Tell which fields of a row are numbers or marks of missing ones."""
+    fields = _pointed(_fields(row, layout), layout.decimal)
+    return [is_number(field) or field.lower() in MISSING for field in fields]
 
 
 def _decoded(file: Path) -> str:
