@@ -263,7 +263,7 @@ def test_a_row_of_too_many_numbers_is_refused_with_its_line(tmp_path):
 
 
 @pytest.mark.parametrize("blank", [0, 1, 2])
-@pytest.mark.parametrize("at", [1, 7, 19])
+@pytest.mark.parametrize("at", [0, 1, 7, 19])
 def test_a_blank_between_spaces_is_refused_with_its_line(at, blank, tmp_path):
     """It would move what stands behind it to the left."""
     rows = [[f"{k / 8:.3f}", f"{k % 5}", f"{-k}"] for k in range(20)]
@@ -281,10 +281,34 @@ def test_between_spaces_a_word_at_the_end_may_be_missing_and_none_within(tmp_pat
     rows[4] = "4.5 nan"
     found = read(tmp_path, "\n".join(["u y state", *rows, "end of the record"]), "end.txt")
     np.testing.assert_array_equal(found.columns["y"][:6], [0, 1, 2, 3, np.nan, 5])
+    rows[0] = "0.5 0 ok but"
+    assert read(tmp_path, "\n".join(["u y state", *rows]), "wide.txt").columns["y"][0] == 0.0
     rows = [f"{k}.5 ok {k}" for k in range(9)]
     rows[4] = "4.5 4"
     with pytest.raises(InputError, match="line 6 has 2 fields, and the table 3"):
         read(tmp_path, "\n".join(["u state y", *rows]), "within.txt")
+
+
+@pytest.mark.parametrize("above", ["t u y\n", "#t u y\n", ""])
+@pytest.mark.parametrize("separator", [" ", ","])
+@pytest.mark.parametrize("first", [1, 3])
+def test_words_behind_the_first_rows_do_not_cost_them(first, separator, above, tmp_path):
+    rows = [f"{k}.5 {k} {-k}" + " OK it is" * (k < first or k == 7) for k in range(20)]
+    found = read(tmp_path, (above + "\n".join(rows)).replace(" ", separator))
+    assert list(found.columns) == (["t", "u", "y"] if above else [f"column {k}" for k in (1, 2, 3)])
+    np.testing.assert_array_equal(list(found.columns.values())[2], -np.arange(20.0))
+
+
+@pytest.mark.parametrize("above", ["t,u,y\n", ""])
+@pytest.mark.parametrize("first", ["0,0.5", ",0.5", "10:00:00,0.5"])
+def test_numbers_right_above_a_table_that_are_fewer_are_no_headings(first, above, tmp_path):
+    rows = "".join(f"{k},{k}.5,{-k}\n" for k in range(1, 9))
+    line = 2 if above else 1
+    with pytest.raises(InputError, match=rf"line {line} has 2 fields, and the table 3\. Write nan"):
+        read(tmp_path, f"{above}{first}\n{rows}")
+    for remark in ("50", "Rig 3", "rate,50", "2024-05-27,10:00:00", "x,1,2,OK", "1,2,3,4"):
+        found = read(tmp_path, f"{remark}\n{rows}")
+        np.testing.assert_array_equal([*found.columns.values()][2], -np.arange(1.0, 9.0))
 
 
 def test_what_instruments_write_for_no_number_is_none(tmp_path):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from dea.errors import InputError
+from dea.store.foreign_files.clock import is_clock
 from dea.store.foreign_files.headings import (
     LOOKED_AT,
     headings_and_units,
@@ -54,7 +55,7 @@ def read_text(file: Path) -> ForeignTable:
         raise InputError(
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
-    begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
+    begin = _first_row(rows, numbered, layout, file)
     _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
     if layout.separator == " ":
         _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
@@ -79,6 +80,41 @@ def read_text(file: Path) -> ForeignTable:
         units,
         decimal=layout.decimal,
         place=lambda row: f"line {numbered[begin + row] + 1}",
+    )
+
+
+def _first_row(rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path) -> int:
+    """Return which row is the first of the table.
+
+    It is as wide as the table, or above such a one with words behind its last number.
+
+    Raises
+    ------
+    InputError
+        If right above it there are fewer numbers: they are neither a row nor headings.
+    """
+    begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
+    whole = _are_numbers(rows[begin], layout)
+    while begin and _goes_on(rows[begin - 1], whole, layout):
+        begin -= 1
+    above = rows[begin - 1] if begin else ""
+    fields = _fields(above, layout)
+    # Dates alone say when the record was made.
+    dates = all(is_clock(field) or field.lower() in MISSING for field in fields)
+    if 1 < len(fields) < layout.columns and all(_are_numbers(above, layout)) and not dates:
+        raise _narrow(numbered[begin - 1], len(fields), layout, file)
+    return begin
+
+
+def _goes_on(row: str, whole: Sequence[bool], layout: Layout) -> bool:
+    """Tell whether a row is one of the table but for words at its end."""
+    fields = _pointed(_fields(row, layout), layout.decimal)
+    words = fields[layout.columns :]
+    return (
+        is_data(fields[: layout.columns])
+        and _are_numbers(row, layout)[: layout.columns] == whole
+        and any(words)
+        and not any(map(is_number, words))
     )
 
 
@@ -117,18 +153,22 @@ def _refuse_narrow_rows(
     InputError
         Naming the line.
     """
-    whole = _are_numbers(rows[0], layout)
+    whole = _are_numbers(rows[0], layout)[: layout.columns]
     for row, number in zip(rows, numbered, strict=True):
         fields = _fields(row, layout)
         if len(fields) >= layout.columns or not is_data(_pointed(fields, layout.decimal)):
             continue
         lacking = layout.columns - len(fields)
         if [*_are_numbers(row, layout), *[False] * lacking] != whole:
-            raise InputError(
-                f"line {number + 1} has {len(fields)} fields, and the table {layout.columns}",
-                file=file,
-                remedy="Write nan in the place of what is missing, or delete the line",
-            )
+            raise _narrow(number, len(fields), layout, file)
+
+
+def _narrow(number: int, fields: int, layout: Layout, file: Path) -> InputError:
+    return InputError(
+        f"line {number + 1} has {fields} fields, and the table {layout.columns}",
+        file=file,
+        remedy="Write nan in the place of what is missing, or delete the line",
+    )
 
 
 def _are_numbers(row: str, layout: Layout) -> list[bool]:
