@@ -240,6 +240,34 @@ def test_numbers_may_begin_late_and_rows_before_them_are_as_wide_as_they_like(tm
     np.testing.assert_array_equal(found.columns["y"], -np.arange(300.0))
 
 
+@pytest.mark.parametrize("index", [True, False])
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+@pytest.mark.parametrize("columns", [2, 3, 4])
+def test_the_numbers_of_the_columns_are_headings(columns, ending, index, tmp_path):
+    """As pandas writes a frame without names."""
+    frame = pd.DataFrame(np.arange(5.0)[:, None] / 4 + np.arange(columns) + 0.5)
+    write = frame.to_csv if ending == "csv" else frame.to_excel
+    write(tmp_path / f"mine.{ending}", index=index)
+    found = read_foreign(tmp_path / f"mine.{ending}")
+    assert list(found.columns) == ["column 1"] * index + list(map(str, range(columns)))
+    np.testing.assert_array_equal(found.columns["1"], 1.5 + np.arange(5.0) / 4)
+
+
+@pytest.mark.parametrize(
+    ("above", "first", "below"),
+    [
+        ("t,u,y\n", "0,1,2", "1,1.5,2"),
+        ("# t,u,y\n", "0,1,2", "1,1.5,2"),
+        ("", "0,1", "1,1"),
+        ("", "0.0,1.0,2.0", "1,1.5,2"),
+        ("", "0,1,3", "1,1.5,3"),
+    ],
+)
+def test_a_first_sample_may_look_like_the_numbers_of_the_columns(above, first, below, tmp_path):
+    found = read(tmp_path, f"{above}{first}\n" + f"{below}\n" * 5)
+    assert [len(values) for values in found.columns.values()] == [6] * len(first.split(","))
+
+
 def test_fields_may_be_quoted_and_powers_of_ten_written(tmp_path):
     found = read(tmp_path, '"u, drive","y"\n"1.5e-3", +.5\n-2E2,"3."\n7,8\n')
     np.testing.assert_array_equal(found.columns["u, drive"], [1.5e-3, -200.0, 7.0])

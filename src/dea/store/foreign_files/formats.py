@@ -10,7 +10,12 @@ import xarray as xr
 
 from dea.arrays import Array
 from dea.errors import InputError
-from dea.store.foreign_files.headings import LOOKED_AT, headings_and_units, is_data
+from dea.store.foreign_files.headings import (
+    LOOKED_AT,
+    counts_columns,
+    headings_and_units,
+    is_data,
+)
 from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
 from dea.store.foreign_files.text import read_text
 
@@ -57,12 +62,14 @@ def read_foreign(file: Path) -> ForeignTable:
 def _read_sheet(file: Path) -> ForeignTable:
     cells = pd.read_excel(file, header=None)
     rows = [
-        ["" if pd.isna(cell) else str(cell).strip() for cell in row]
+        ["" if pd.isna(cell) else str(cell).strip().removesuffix(".0") for cell in row]
         for row in cells.head(LOOKED_AT).itertuples(index=False)
     ]
     begin = next((i for i, row in enumerate(rows) if is_data(row)), None)
     if begin is None:
         raise InputError("no row of it holds numbers", remedy="Write it as a table of numbers")
+    if begin == 0 and len(rows) > 1 and counts_columns(*rows[:2]):
+        begin = 1
     headings, units = headings_and_units(rows[:begin], cells.shape[1])
     frame = cells.iloc[begin:].reset_index(drop=True).infer_objects()
     columns = [frame[name] for name in frame.columns]

@@ -23,6 +23,16 @@ def is_data(fields: Sequence[str]) -> bool:
     return numbers > 0 and numbers + empty > len(fields) / 2
 
 
+def counts_columns(fields: Sequence[str], below: Sequence[str]) -> bool:
+    """Tell whether a row holds 0, 1, 2 and so on: what pandas writes for want of headings.
+
+    Beside an index its first field is empty. Two such numbers above integers are a sample.
+    """
+    counted = list(fields[1:] if fields[:1] == [""] else fields)
+    integers = all(field.isdigit() for field in below)
+    return counted == list(map(str, range(len(counted)))) and not (len(fields) < 3 and integers)
+
+
 def headings_and_units(
     above: Sequence[Sequence[str]], columns: int
 ) -> tuple[list[str], list[str | None] | None]:

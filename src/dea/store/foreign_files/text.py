@@ -13,6 +13,7 @@ from dea.errors import InputError
 from dea.store.foreign_files.clock import is_clock
 from dea.store.foreign_files.headings import (
     LOOKED_AT,
+    counts_columns,
     headings_and_units,
     is_data,
     is_number,
@@ -56,12 +57,15 @@ def read_text(file: Path) -> ForeignTable:
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
     begin = _first_row(rows, numbered, layout, file)
-    _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
-    if layout.separator == " ":
-        _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
     # Above a last column in which there is nothing a heading may stand.
     widest = layout.columns + layout.closed
     above = _of_width(rows[:begin], layout, widest) or _of_width(remarks[-1:], layout, widest)
+    first = [_fields(row, layout) for row in rows[begin : begin + 2]]
+    if not above and len(first) == 2 and counts_columns(*first):
+        above, begin = first[:1], begin + 1
+    _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
+    if layout.separator == " ":
+        _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
     headings, units = headings_and_units(above, layout.columns)
     frame = pd.read_csv(
         StringIO("\n".join(rows[begin:])),
