@@ -211,7 +211,9 @@ def test_headings_may_be_the_last_comment_before_the_table(mark, tmp_path):
     assert found.words == {"y": "line 5: 'x4'"}
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"]
+)
 def test_units_are_read_in_any_encoding(encoding, tmp_path):
     found = read(tmp_path, "u [V];y [µm]\n" + "1;2\n" * 4, encoding=encoding)
     assert found.units == {"u": "V", "y": "um"}

@@ -185,6 +185,9 @@ def _decoded(file: Path) -> str:
     content = file.read_bytes()
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         return content.decode("utf-16")
+    if b"\0" in content[:2]:
+        order = "be" if content[:1] == b"\0" else "le"
+        return content.decode(f"utf-16-{order}", errors="replace")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
