@@ -15,7 +15,7 @@ from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
-from dea.intake import Answers, infer_case
+from dea.intake import Answers, UnansweredError, infer_case
 from dea.stages.intake import main
 from user_simulation import write_simulation
 
@@ -236,6 +236,38 @@ def test_numbers_that_are_too_large_are_told_with_their_column(folder, capsys, r
     assert said.count("\n") == 1
     assert not recwarn.list
     assert not list((folder / "config" / "cases").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("entry", "holds"), [("", "nothing"), ("1'0.123", 'text (line 2: "1\'0.123")')]
+)
+def test_no_column_stands_in_for_one_without_numbers(entry, holds, folder):
+    rows = [f"{k / 50},{k % 7},{entry},{k % 5}" for k in range(300)]
+    file = folder / "dead.csv"
+    file.write_text("\n".join(["t (s),u (V),y (mm),temperature (degC)", *rows]))
+    with pytest.raises(UnansweredError, match="which column is the output") as caught:
+        infer_case(file, Answers())
+    assert caught.value.command == "make case INPUT=u:V OUTPUT=COLUMN"
+    assert caught.value.columns.splitlines()[-1].split(maxsplit=2) == ["y", "-", holds]
+    with pytest.raises(
+        InputError, match=r"OUTPUT: column 'y' holds (nothing|text .*)\. Its columns"
+    ):
+        infer_case(file, Answers(output="y"))
+    found = infer_case(file, Answers(output="temperature")).content
+    assert found["record"]["output"] == {"column": "temperature", "units": "degC"}
+
+
+@pytest.mark.parametrize("other", ["measured", "temperature"])
+def test_a_name_that_a_column_without_numbers_carries_too_is_asked_about(other, folder):
+    rows = [f"{k / 50},{k % 7},,{k % 5}" for k in range(300)]
+    file = folder / "dead.csv"
+    for dead, asked in (("y", True), ("note", other != "measured")):
+        file.write_text("\n".join([f"t (s),u (V),{dead},{other} (mm)", *rows]))
+        if asked:
+            with pytest.raises(UnansweredError, match="which column is the output"):
+                infer_case(file, Answers())
+        else:
+            assert infer_case(file, Answers()).content["record"]["output"]["column"] == other
 
 
 def test_a_short_record_is_refused_with_what_it_needs(folder):

@@ -179,6 +179,33 @@ def test_with_a_decimal_comma_a_point_is_no_decimal():
     assert found.words == {"u": "row 4: '4.5'"}
 
 
+def test_columns_without_numbers_are_told_with_what_they_hold():
+    found = columns(u=[1.0, 2.0], y=[None, None], half=["1", "a"], state=["ok", "ok"])
+    assert found.no_numbers == {
+        "y": "nothing", "half": "text (row 2: 'a')", "state": "text (row 1: 'ok')"
+    }  # fmt: skip
+    found = from_columns(["", "u", "y"], [pd.Series([np.nan, np.nan]), *[pd.Series([1, 2])] * 2])
+    assert found.no_numbers == {}
+    found = from_columns(["", "", ""], [pd.Series([np.nan, np.nan]), *[pd.Series([1, 2])] * 2])
+    assert found.no_numbers == {"column 1": "nothing"}
+    days, times = pd.Series(["2024-01-01"] * 2), pd.Series(["10:00:00", "10:00:01"])
+    assert from_columns(["day", "time"], [days, times]).no_numbers == {}
+
+
+def test_variables_that_are_no_vectors_are_told_with_what_they_hold(tmp_path):
+    flat = xr.Dataset({"u": ("n", np.ones(3)), "y": (("n", "k"), np.ones((3, 2))), "a": 1.0})
+    flat.assign(state=("n", ["ok"] * 3)).to_netcdf(tmp_path / "mine.nc")
+    assert read_foreign(tmp_path / "mine.nc").no_numbers == {
+        "y": "numbers in 2 dimensions", "state": "text"
+    }  # fmt: skip
+    cells = np.array([np.ones(3), "a"], dtype=object)
+    savemat(tmp_path / "mine.mat", {"u": np.ones(3), "y": np.ones((2, 3, 4)), "c": cells,
+                                    "none": [], "title": "mine", "a": 1.0})  # fmt: skip
+    assert read_foreign(tmp_path / "mine.mat").no_numbers == {
+        "y": "numbers in 3 dimensions", "c": "a cell array", "none": "nothing"
+    }  # fmt: skip
+
+
 def test_a_word_is_refused_only_in_a_column_that_is_used(tmp_path):
     found = columns(u=["1", "2", "x"], y=["1", "2", "3"])
     found.refuse_words(["y"], tmp_path)

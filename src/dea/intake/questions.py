@@ -22,8 +22,8 @@ class UnansweredError(InputError):
 
 
 def described(table: ForeignTable) -> str:
-    """Return one line for each column: its name, its units, its range."""
-    width = max(map(len, [*table.columns, "column"]))
+    """Return one line for each column: its name, its units, its range, or what else it holds."""
+    width = max(map(len, [*table.columns, *table.no_numbers, "column"]))
     wide = max(map(len, [*table.units.values(), "units"]))
     lines = [f"  {'column':{width}}  {'units':{wide}}  values"]
     for name, values in table.columns.items():
@@ -32,6 +32,7 @@ def described(table: ForeignTable) -> str:
         missing = values.size - there.size
         note = f"{missing} of {values.size} missing" if missing else f"{values.size} of them"
         lines.append(f"  {name:{width}}  {table.units.get(name, '?'):{wide}}  {span}, {note}")
+    lines += [f"  {name:{width}}  {'-':{wide}}  {told}" for name, told in table.no_numbers.items()]
     return "\n".join(lines)
 
 

@@ -109,7 +109,7 @@ def find_roles(
     asked = _unknown_roles(found, free, table)
     # Two columns are likely input and output, in this order; of more, none is likelier.
     rest = [name for name in free if name not in names]
-    guesses = rest if len(free) == 2 else []
+    guesses = rest if len(free) == 2 and not table.no_numbers else []
     for role, known in found.items():
         if not known:
             name = guesses.pop(0) if guesses else "COLUMN"
@@ -151,8 +151,9 @@ def _answer(text: str, table: ForeignTable, role: str, file: Path) -> _Column:
     if text in table.columns or not mark:
         name, units = text, ""
     if name not in table.columns:
+        told = table.no_numbers.get(name)
         raise InputError(
-            f"it has no column {name!r}",
+            f"column {name!r} holds {told}" if told else f"it has no column {name!r}",
             file=file,
             field=role.upper(),
             remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
@@ -278,9 +279,12 @@ def _all_have_units(names: list[str], table: ForeignTable) -> bool:
 def _fill_the_other(
     found: dict[str, list[_Column]], free: list[str], table: ForeignTable
 ) -> list[str]:
-    """Give the only column that is left to the only role that none has; return that role."""
+    """Give the only column that is left to the only role that none has; return that role.
+
+    Where a column holds no numbers it may have been meant.
+    """
     known = [role for role, columns in found.items() if columns]
-    if len(known) != 1:
+    if len(known) != 1 or table.no_numbers:
         return []
     names = [name for name, _ in found[known[0]]]
     rest = [name for name in free if name not in names]
@@ -292,9 +296,13 @@ def _fill_the_other(
 
 
 def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[_Column]:
-    """Return the only column whose name holds one of these words, empty where there are more."""
-    found = list(filter(_named(words), free))
-    return [(found[0], table.units.get(found[0]))] if len(found) == 1 else []
+    """Return the only column whose name holds one of these words, empty where there are more.
+
+    One that holds no numbers counts, and is none.
+    """
+    found = list(filter(_named(words), [*free, *table.no_numbers]))
+    sure = len(found) == 1 and found[0] in free
+    return [(found[0], table.units.get(found[0]))] if sure else []
 
 
 def _named(words: set[str]) -> Callable[[str], bool]:

@@ -100,6 +100,11 @@ def _read_netcdf(file: Path) -> ForeignTable:
         {name: plain_units(units) for name, units in known.items()},
         {name: float(each) for name, each in scalars.items()},
         complex_numbers=tuple(n for n, each in vectors.items() if not _is_real(each.values)),
+        no_numbers={
+            n: _kind(each.values, "text")
+            for n, each in variables.items()
+            if each.ndim and n not in vectors
+        },
     )
 
 
@@ -109,21 +114,33 @@ def _read_matlab(file: Path) -> ForeignTable:
     columns: dict[str, Array] = {}
     constants: dict[str, float] = {}
     complex_numbers: list[str] = []
+    no_numbers: dict[str, str] = {}
     content = loadmat(file, simplify_cells=True)
     for name, value in _flat({k: v for k, v in content.items() if not k.startswith("__")}):
-        if not np.issubdtype(value.dtype, np.number):
-            continue
         found = {}
-        if value.size == 1:
+        if not np.issubdtype(value.dtype, np.number) or value.size == 0 or value.ndim > 2:
+            no_numbers |= {name: _kind(value, "a cell array")} if value.size != 1 else {}
+        elif value.size == 1:
             constants |= {name: float(value.ravel()[0])} if _is_real(value) else {}
         elif value.ndim == 1 or 1 in value.shape:
             found = {name: _real(value.ravel())}
-        elif value.ndim == 2:
+        else:
             long = value if value.shape[0] > value.shape[1] else value.T
             found = {f"{name}_{i + 1}": _real(column) for i, column in enumerate(long.T)}
         columns |= found
         complex_numbers += [] if _is_real(value) else found
-    return ForeignTable(columns, {}, constants, complex_numbers=tuple(complex_numbers))
+    return ForeignTable(
+        columns, {}, constants, complex_numbers=tuple(complex_numbers), no_numbers=no_numbers
+    )
+
+
+def _kind(values: np.ndarray, objects: str) -> str:
+    """Return in words what an array that is no vector of numbers holds; what ``objects`` are."""
+    if not values.size:
+        return "nothing"
+    if np.issubdtype(values.dtype, np.number):
+        return f"numbers in {values.ndim} dimensions"
+    return "text" if values.dtype.kind in "SU" else objects
 
 
 def _is_real(values: np.ndarray) -> bool:

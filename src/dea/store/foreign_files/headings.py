@@ -36,7 +36,7 @@ def counts_columns(fields: Sequence[str], below: Sequence[str]) -> bool:
 def headings_and_units(
     above: Sequence[Sequence[str]], columns: int
 ) -> tuple[list[str], list[str | None] | None]:
-    """Return the headings, numbered where there are none, and the units below them.
+    """Return the headings, empty ones where there are none, and the units below them.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def headings_and_units(
         units in brackets have no row of units below them.
     """
     if not above:
-        return [f"column {i + 1}" for i in range(columns)], None
+        return [""] * columns, None
     *_, last = above
     with_units = (
         len(above) > 1
@@ -55,8 +55,7 @@ def headings_and_units(
         and not _has_units(last)
     )
     names = above[-2] if with_units else last
-    headings = [field or f"column {i + 1}" for i, field in enumerate(names)]
-    return headings, [plain_units(field) for field in last] if with_units else None
+    return list(names), [plain_units(field) for field in last] if with_units else None
 
 
 def _filled(row: Sequence[str]) -> int:

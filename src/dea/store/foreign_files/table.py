@@ -51,6 +51,8 @@ class ForeignTable:
         Columns that were dates, times of day or durations.
     complex_numbers
         Columns that were complex, and are NaN throughout.
+    no_numbers
+        What other columns hold, in words: nothing, or text.
     """
 
     columns: Mapping[str, Array]
@@ -59,6 +61,7 @@ class ForeignTable:
     words: Mapping[str, str] = field(default_factory=dict)
     clocks: tuple[str, ...] = ()
     complex_numbers: tuple[str, ...] = ()
+    no_numbers: Mapping[str, str] = field(default_factory=dict)
 
     def refuse_words(self, names: Iterable[str], file: Path) -> None:
         """Refuse text among the numbers of the columns that are used, and complex ones.
@@ -117,7 +120,8 @@ def from_columns(
     Parameters
     ----------
     headings
-        Names, with or without units in brackets.
+        Names, with or without units in brackets; an empty one is the number of the column. A column
+        that has none and holds nothing is none, where others have one.
     given
         Units of each column, where the file gives them apart from the heading.
     decimal
@@ -130,7 +134,8 @@ def from_columns(
     InputError
         Where two columns have one name.
     """
-    whole = [heading.strip() for heading in headings]
+    given_names = [heading.strip() for heading in headings]
+    whole = [name or f"column {i + 1}" for i, name in enumerate(given_names)]
     parts = [name_and_units(heading) for heading in whole]
     bare = [name for name, _ in parts]
     names = [n if bare.count(n) == 1 else full for n, full in zip(bare, whole, strict=True)]
@@ -144,15 +149,24 @@ def from_columns(
     constants: dict[str, float] = {}
     words: dict[str, str] = {}
     clocks: list[str] = []
+    no_numbers: dict[str, str] = {}
     apart = list(given) if given is not None else [None] * len(names)
-    for name, (_, own), other, series in zip(names, parts, apart, _dated(values), strict=True):
+    for name, heading, (_, own), other, series in zip(
+        names, given_names, parts, apart, _dated(values), strict=True
+    ):
         if series is None:
+            continue
+        if not series.empty and not series.notna().any():
+            if heading or not any(given_names):
+                no_numbers[name] = "nothing"
             continue
         numbers, is_time = _numbers(series, decimal)
         if numbers is None:
+            read = pd.to_numeric(series, errors="coerce").to_numpy(float)
+            no_numbers[name] = f"text ({_first_word(series, read, place)})"
             continue
-        if not is_time and (row := _first_word(series, numbers)) is not None:
-            words[name] = f"{place(row)}: {str(series.iloc[row]).strip()!r}"
+        if not is_time and (word := _first_word(series, numbers, place)) is not None:
+            words[name] = word
         said = "s" if is_time else own or other
         if said is not None:
             units[name] = said
@@ -162,15 +176,15 @@ def from_columns(
             continue
         columns[name] = numbers
         clocks += [name] if is_time else []
-    return ForeignTable(columns, units, constants, words, tuple(clocks))
+    return ForeignTable(columns, units, constants, words, tuple(clocks), no_numbers=no_numbers)
 
 
 def _dated(values: Iterable[pd.Series]) -> list[pd.Series | None]:
     """Return the columns, the only one of times of day with the dates of the only one of these.
 
-    Those of dates, and those in which nothing is, become None.
+    Those of dates become None.
     """
-    columns: list[pd.Series | None] = [s if s.notna().any() or s.empty else None for s in values]
+    columns: list[pd.Series | None] = list(values)
     days = [i for i, s in enumerate(columns) if s is not None and is_day(s)]
     times = [i for i, s in enumerate(columns) if s is not None and is_time_of_day(s)]
     if len(days) == len(times) == 1:
@@ -215,10 +229,10 @@ def _pointed(cell: object, decimal: str) -> object:
     return None if "." in cell else cell.replace(decimal, ".")
 
 
-def _first_word(series: pd.Series, numbers: Array) -> int | None:
-    """Return the first row that holds text and no number."""
+def _first_word(series: pd.Series, numbers: Array, place: Callable[[int], str]) -> str | None:
+    """Return the first entry that is text and no number, and where it is."""
     for row in np.flatnonzero(~np.isfinite(numbers) & series.notna().to_numpy()):
         cell = series.iloc[row]
         if isinstance(cell, str) and cell.strip().lower() not in MISSING:
-            return int(row)
+            return f"{place(int(row))}: {cell.strip()!r}"
     return None
