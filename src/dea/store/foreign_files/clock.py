@@ -15,7 +15,8 @@ _DATE = re.compile(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}$")
 _FORMATS = "ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M"
 # Of these several may be read.
 _SLASHED = ("%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
-            "%m/%d/%Y %I:%M:%S.%f %p", "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f")  # fmt: skip
+            "%m/%d/%Y %I:%M:%S.%f %p", "%m/%d/%Y %H:%M", "%m/%d/%Y %I:%M %p",
+            "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%d/%m/%Y %H:%M")  # fmt: skip
 
 
 def is_clock(text: str) -> bool:
