@@ -110,6 +110,7 @@ def test_durations_are_seconds_too(unit):
         ("ns", "ns", 1e-9), ("min", "min", 60.0), ("minutes", "min", 60.0),
         ("h", "h", 3600.0), ("hr", "h", 3600.0), ("hours", "h", 3600.0),
         ("Volt", "V", None), ("volts", "V", None), ("kV", "kV", None), ("µm", "um", None),
+        ("[mm]", "mm", None), ("(m/s)^2", "(m/s)^2", None), ("V^(1/2)", "V^(1/2)", None),
         ("μV", "uV", None), ("-", "1", None), ("", "1", None), ("mm", "mm", None),
     ],
 )  # fmt: skip

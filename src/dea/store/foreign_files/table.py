@@ -16,6 +16,7 @@ from dea.units import SECONDS
 # What instruments write where there is no number.
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
+_BRACKETS = re.compile(r"^[\[(]([^\[\]()]*)[\])]$")
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
 _SINCE = re.compile(r"\s+since\s.*", re.IGNORECASE)
 _SPELLINGS = {
@@ -90,7 +91,7 @@ class ForeignTable:
 
 def plain_units(text: str) -> str:
     """Return units in the spelling of this project: ``(sec)`` is ``s``."""
-    bare = text.strip().strip("[]()").strip()
+    bare = _BRACKETS.sub(r"\1", text.strip()).strip()
     # Of a time of NetCDF, which is a number of these units since a date.
     if (unit := _SINCE.sub("", bare)) != bare and plain_units(unit) in SECONDS:
         return plain_units(unit)
