@@ -158,6 +158,20 @@ def test_units_that_are_given_count_more_than_a_name():
     assert roles({"time_ms": None, "u": "V", "y": "mm"}, answers).time == ("time_ms", "s")
 
 
+@pytest.mark.parametrize(
+    ("said", "meant"), [("Volts", "V"), ("(m/s)^2", "(m/s)^2"), ("µm", "um"), ("-", "1")]
+)
+def test_units_may_be_answered_in_any_spelling(said, meant):
+    found = roles({"t": "s", "u": None, "y": "mm"}, Answers(input=f"u:{said}"))
+    assert found.inputs == (("u", meant),)
+
+
+@pytest.mark.parametrize("said", ["ms", "msec", "milliseconds"])
+def test_units_of_time_may_be_answered_in_any_spelling(said):
+    found = roles({"when": None, "u": "V", "y": "mm"}, Answers(time=f"when:{said}"))
+    assert found.time == ("when", "ms")
+
+
 @pytest.mark.parametrize(("constants", "interval"), [({"Ts": 4.0}, 4.0), ({"fs": 50.0}, 0.02)])
 def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
     assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval
@@ -185,6 +199,8 @@ def test_an_interval_in_unknown_units_is_asked_for():
     ("answers", "message"),
     [
         (Answers(input="v:V"), "INPUT: it has no column 'v'. Its columns of numbers are t, u, y"),
+        (Answers(time="t:xyz"), "TIME: 'xyz' is no unit of time. Units of time are s, ms, us"),
+        (Answers(time="u"), "TIME: 'V' is no unit of time"),
         (Answers(input="u:V", output="u:V"), "'u' is input and output"),
     ],
 )

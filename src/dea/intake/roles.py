@@ -87,7 +87,7 @@ def find_roles(
     named = next(iter(said["time"]), None)
     if named is None:
         _refuse_falling_time(table, answers.rate, file, inferred)
-    time, interval = _timing(table, named, answers.rate, inferred)
+    time, interval = _timing(table, named, answers.rate, inferred, file)
     clock = named[0] if named else _time_column(table)
     if clock is not None and answers.rate is not None:
         inferred.append(f"time: {answers.rate:g} samples per second; column {clock!r} is not used")
@@ -158,7 +158,7 @@ def _answer(text: str, table: ForeignTable, role: str, file: Path) -> _Column:
             field=role.upper(),
             remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
         )
-    return name, units or table.units.get(name)
+    return name, plain_units(units) if units else table.units.get(name)
 
 
 def _timing(
@@ -166,8 +166,15 @@ def _timing(
     said: _Column | None,
     rate: float | None,
     inferred: list[str],
+    file: Path,
 ) -> tuple[tuple[str, str] | None, float | None]:
-    """Return the time column with its units, or the interval in s, or neither."""
+    """Return the time column with its units, or the interval in s, or neither.
+
+    Raises
+    ------
+    InputError
+        If the column that the user names is in other units.
+    """
     if rate is not None:
         return None, 1.0 / rate
     name, units = said or (_time_column(table), None)
@@ -179,6 +186,14 @@ def _timing(
             inferred.append(f"time: column {name!r}, in {units}")
         if (units or "s") in SECONDS:
             return (name, units or "s"), None
+        if said is not None:
+            raise InputError(
+                f"{units!r} is no unit of time",
+                file=file,
+                field="TIME",
+                remedy=f"Units of time are {', '.join(SECONDS)}; or give the samples per second,"
+                " RATE=…",
+            )
     for known, plain, scale in ((_INTERVAL, "s", SECONDS), (_RATE, "Hz", HERTZ)):
         constant = next(filter(_named(known), table.constants), None)
         factor = scale.get(table.units.get(constant, plain)) if constant is not None else None
