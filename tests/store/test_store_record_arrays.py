@@ -36,6 +36,12 @@ def test_a_rate_that_is_no_positive_number_is_refused(rate):
         Record.of(U, Y, rate)
 
 
+def test_an_integer_too_large_for_a_number_is_refused():
+    for both, field in (([[1, 10**400], [1, 2]], "u"), ([[1, 2], [1, 10**400]], "y")):
+        with pytest.raises(InputError, match=f"{field}: it holds an integer that is too large"):
+            Record.of(*both, 1.0)
+
+
 def test_masked_outputs_are_missing_and_complex_signals_refused():
     masked = Record.of(U, np.ma.masked_where(U == 5.0, np.arange(6.0)), 1.0)
     np.testing.assert_array_equal(np.isnan(masked.y), U == 5.0)

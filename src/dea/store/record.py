@@ -196,7 +196,7 @@ def real_numbers(signal: Any, field: str) -> np.ndarray:
     Raises
     ------
     InputError
-        Where it is complex, holds none, or is a whole record.
+        Where it is complex, holds none or one too large, or is a whole record.
     """
     if isinstance(signal, Record):
         raise InputError(
@@ -209,6 +209,12 @@ def real_numbers(signal: Any, field: str) -> np.ndarray:
         raise InputError("it is complex", field=field, remedy="Give its real part")
     try:
         return np.asarray(np.ma.filled(values.astype(float), np.nan))
+    except OverflowError as error:
+        raise InputError(
+            "it holds an integer that is too large to compute with",
+            field=field,
+            remedy="Give it in larger units; where it stands for a missing value, give NaN",
+        ) from error
     except (TypeError, ValueError) as error:
         raise InputError(
             f"it holds no numbers: {error}", field=field, remedy="Give an array of numbers"
