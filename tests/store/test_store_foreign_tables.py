@@ -599,6 +599,21 @@ def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
     assert not recwarn.list
 
 
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"d": np.array([np.ones(3), np.ones(3)], dtype=object)}, ", only a cell array 'd'"),
+        ({"d": np.array([np.ones(3), "a"], dtype=object), "Ts": 0.5}, ", only a cell array 'd'"),
+        ({"Ts": 0.5}, ""),
+    ],
+)
+def test_a_matlab_file_without_vectors_says_what_it_holds(values, told, tmp_path):
+    savemat(tmp_path / "mine.mat", values)
+    message = rf"mine\.mat: it holds no vectors of numbers{told}\. Save each signal as a variable"
+    with pytest.raises(InputError, match=message):
+        read_foreign(tmp_path / "mine.mat")
+
+
 def test_a_complex_variable_of_netcdf_is_no_real_one(tmp_path, monkeypatch):
     dataset = xr.Dataset({"u": ("n", np.arange(3.0)), "y": ("n", 1j * np.ones(3)), "gain": 1j})
     monkeypatch.setattr(xr, "open_dataset", lambda *_, **__: dataset)

@@ -129,6 +129,12 @@ def _read_matlab(file: Path) -> ForeignTable:
             found = {f"{name}_{i + 1}": _real(column) for i, column in enumerate(long.T)}
         columns |= found
         complex_numbers += [] if _is_real(value) else found
+    if not columns:
+        held = ", ".join(f"{told} {name!r}" for name, told in no_numbers.items())
+        raise InputError(
+            f"it holds no vectors of numbers{held and ', only '}{held}",
+            remedy="Save each signal as a variable of its own: save('mine.mat', 'u', 'y')",
+        )
     return ForeignTable(
         columns, {}, constants, complex_numbers=tuple(complex_numbers), no_numbers=no_numbers
     )
