@@ -599,6 +599,32 @@ def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
     assert not recwarn.list
 
 
+def test_a_workbook_holds_one_sheet_of_a_record(tmp_path):
+    record = [["t (s)", "u (V)"], *([k / 4, float(k)] for k in range(9))]
+    sheets = {
+        "Info": [["Rig", 3, ""], ["made", datetime(2024, 5, 1), ""], ["range", 0, 10]],
+        "Empty": [],
+        "Data": record,
+    }
+
+    def write():
+        with pd.ExcelWriter(tmp_path / "mine.xlsx") as file:
+            for name, rows in sheets.items():
+                pd.DataFrame(rows).to_excel(file, sheet_name=name, header=False, index=False)
+
+    write()
+    np.testing.assert_array_equal(read_foreign(tmp_path / "mine.xlsx").columns["u"], np.arange(9.0))
+    sheets["Run 2"] = record[:4]
+    write()
+    with pytest.raises(
+        InputError, match=r"mine\.xlsx: several .*: 'Data', 'Run 2'\. Save the sheet"
+    ):
+        read_foreign(tmp_path / "mine.xlsx")
+    sheets["Run 2"] = record[:3]
+    write()
+    assert read_foreign(tmp_path / "mine.xlsx").columns["u"].size == 9
+
+
 @pytest.mark.parametrize(
     ("values", "told"),
     [

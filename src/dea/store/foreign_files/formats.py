@@ -15,9 +15,12 @@ from dea.store.foreign_files.headings import (
     counts_columns,
     headings_and_units,
     is_data,
+    is_number,
 )
 from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
 from dea.store.foreign_files.text import read_text
+
+_FEWEST = 3  # rows of a table that may be a record
 
 
 def read_foreign(file: Path) -> ForeignTable:
@@ -60,11 +63,39 @@ def read_foreign(file: Path) -> ForeignTable:
 
 
 def _read_sheet(file: Path) -> ForeignTable:
-    cells = pd.read_excel(file, header=None)
-    rows = [
+    """Read the only sheet, or of several the only one that may hold a record.
+
+    Raises
+    ------
+    InputError
+        Naming the sheets, if several may.
+    """
+    sheets = pd.read_excel(file, header=None, sheet_name=None)
+    tables = [name for name, cells in sheets.items() if _holds_a_table(cells)]
+    if len(tables) > 1:
+        raise InputError(
+            f"several of its sheets hold tables of numbers: {', '.join(map(repr, tables))}",
+            remedy="Save the sheet of the record as a file of its own",
+        )
+    return _of_cells(sheets[tables[0] if tables else next(iter(sheets))])
+
+
+def _holds_a_table(cells: pd.DataFrame) -> bool:
+    """Tell whether enough rows for a record hold two numbers: lone ones are settings."""
+    rows = _texts(cells)
+    return sum(sum(map(is_number, row)) > 1 for row in rows) >= _FEWEST
+
+
+def _texts(cells: pd.DataFrame) -> list[list[str]]:
+    """Return the cells among which the numbers must begin as text."""
+    return [
         ["" if pd.isna(cell) else str(cell).strip().removesuffix(".0") for cell in row]
         for row in cells.head(LOOKED_AT).itertuples(index=False)
     ]
+
+
+def _of_cells(cells: pd.DataFrame) -> ForeignTable:
+    rows = _texts(cells)
     begin = next((i for i, row in enumerate(rows) if is_data(row)), None)
     if begin is None:
         raise InputError("no row of it holds numbers", remedy="Write it as a table of numbers")
