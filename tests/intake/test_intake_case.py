@@ -270,6 +270,24 @@ def test_a_name_that_a_column_without_numbers_carries_too_is_asked_about(other, 
             assert infer_case(file, Answers()).content["record"]["output"]["column"] == other
 
 
+@pytest.mark.parametrize("rows", [(300,), (20, 300, 301)])
+def test_an_output_far_from_all_others_is_told_with_its_line(rows, folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.loc[list(rows), "y (mm)"] = -1e26
+    table.to_csv("over.csv", index=False)
+    assert main(["over.csv"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: over.csv: column 'y': line {rows[0] + 2}: -1e+26 is 1e+08 ")
+    assert said.count("\n") == 1
+
+
+def test_outputs_that_decay_by_any_factor_are_not_far_from_others(folder):
+    table = pd.read_csv("mine.csv")
+    table["y (mm)"] = np.exp(-np.arange(len(table)) / 8.0)
+    table.to_csv("decay.csv", index=False)
+    infer_case(Path("decay.csv"), Answers())
+
+
 def test_a_short_record_is_refused_with_what_it_needs(folder):
     (folder / "short.csv").write_text("t (s),u (V),y (mm)\n" + "".join(
         f"{i},{np.sin(i)},{np.cos(i)}\n" for i in range(30)

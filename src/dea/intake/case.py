@@ -18,6 +18,9 @@ from dea.missing import filled
 from dea.units import SECONDS
 
 _JITTER = 1e-3  # share of the interval up to which times count as uniform
+# How many times as far from the median as all others an output is that is no measurement, and one
+# of how many samples may be so far.
+_FAR, _FEW = 1e8, 100
 _SEVERAL_RATES = 0.1  # share of steps below half of the usual one that are no jitter
 
 
@@ -60,6 +63,7 @@ def infer_case(
     try:
         time = _times(table, roles)
         known = _known(table, roles, time)
+        _refuse_far_outputs(table, roles.output[0])
         resample, notes = _resampling(table, roles, time, known)
         record |= {"resample": resample} if resample else {}
         signals = store.signals(store.import_record(record))
@@ -175,6 +179,27 @@ def _resampling(
         )
     needed = missing.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
+
+
+def _refuse_far_outputs(table: store.ForeignTable, name: str) -> None:
+    """Refuse few outputs so far from all others that no model could run beside them.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    y = table.columns[name]
+    far = np.abs(y - np.nanmedian(y))
+    largest = np.sort(far[np.isfinite(far)])[::-1][: 2 + y.size // _FEW]
+    beyond = np.flatnonzero((largest[:-1] > _FAR * largest[1:]) & (largest[1:] > 0))
+    if beyond.size:
+        row = int(np.flatnonzero(far >= largest[beyond[0]])[0])
+        raise InputError(
+            f"{table.place(row)}: {y[row]:.4g} is {_FAR:.0e} times as far from most as any other",
+            field=f"column {name!r}",
+            remedy="Correct that entry, or empty it: it then counts as missing",
+        )
 
 
 def _check_lengths(table: store.ForeignTable, roles: Roles) -> None:

@@ -32,6 +32,10 @@ _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 _NUMERIC = 0.5
 
 
+def _row(row: int) -> str:
+    return f"row {row + 1}"
+
+
 @dataclass(frozen=True)
 class ForeignTable:
     """A file of another program.
@@ -54,6 +58,8 @@ class ForeignTable:
         Columns that were complex, and are NaN throughout.
     no_numbers
         What other columns hold, in words: nothing, or text.
+    place
+        Where an entry is in the file, by its row.
     """
 
     columns: Mapping[str, Array]
@@ -63,6 +69,7 @@ class ForeignTable:
     clocks: tuple[str, ...] = ()
     complex_numbers: tuple[str, ...] = ()
     no_numbers: Mapping[str, str] = field(default_factory=dict)
+    place: Callable[[int], str] = _row
 
     def refuse_words(self, names: Iterable[str], file: Path) -> None:
         """Refuse text among the numbers of the columns that are used, and complex ones.
@@ -112,7 +119,7 @@ def from_columns(
     given: Iterable[str | None] | None = None,
     *,
     decimal: str = ".",
-    place: Callable[[int], str] = lambda row: f"row {row + 1}",
+    place: Callable[[int], str] = _row,
 ) -> ForeignTable:
     """Return the table of these columns, of which some may be text, and others empty.
 
@@ -177,7 +184,9 @@ def from_columns(
             continue
         columns[name] = numbers
         clocks += [name] if is_time else []
-    return ForeignTable(columns, units, constants, words, tuple(clocks), no_numbers=no_numbers)
+    return ForeignTable(
+        columns, units, constants, words, tuple(clocks), no_numbers=no_numbers, place=place
+    )
 
 
 def _dated(values: Iterable[pd.Series]) -> list[pd.Series | None]:
