@@ -208,7 +208,7 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     assert "Raise `resolution.output_margin`" in said("carriage", found)
     monkeypatch.setattr(knowledge.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
     monkeypatch.setattr(rounds, "transferable", lambda extended: True)
-    nowhere = SimpleNamespace(design=lambda number, make: None)
+    nowhere = SimpleNamespace(design=lambda number, records, make: None)
     decided = Resolution(knowledge, (), ResolutionOutcome.DECIDED)
     found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
     assert (found.certificate, found.pending) == (None, None)
