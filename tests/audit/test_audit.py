@@ -179,6 +179,32 @@ def test_a_file_behind_a_link_to_a_folder_is_named(study, tmp_path_factory):
     }
 
 
+def written(file):
+    return lambda: Path(file).write_text("edited\n")
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (written("results/a/model.nc"), "…). Delete it and run again."),
+        (written("results/tables/new.csv"), "no job. Delete it; a run makes it again if it is"),
+        (Path("results/a/model.nc").unlink, "model.nc.json too. Run again to make it."),
+        (
+            Path("results/provenance/a/model.nc.json").unlink,
+            "is missing. Delete results/a/model.nc and run again, which makes both.",
+        ),
+        (written("results/a/log/track.log"), "…). Another run lists it as it lies there."),
+        (Path("environment.txt").unlink, "environment.txt: is missing.\n"),
+    ],
+)
+def test_what_is_broken_is_named_with_its_remedy(study, capsys, damage, said):
+    damage()
+    with pytest.raises(SystemExit):
+        main([])
+    assert said in capsys.readouterr().out
+    assert said.rpartition(": ")[2].strip() in Path("results/audit.md").read_text()
+
+
 def test_a_study_whose_folder_lies_elsewhere_passes(study, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere") / "a"
     shutil.move("results/a", elsewhere)

@@ -15,7 +15,7 @@ from dea.audit import quotations
 from dea.audit.manifest import FILE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
-from dea.audit.verify import notes, resting_on, verify
+from dea.audit.verify import explained, notes, resting_on, verify
 from dea.errors import InputError
 
 SHOWN = 10  # results and sentences named on the terminal; the page names all
@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> None:
             print(note)
         return
     first = findings[0]
-    print(f"broken: {first.path}: {first.problem}")
+    print(f"broken: {first.path}: {explained(first, manifest)}")
     resting = resting_on(first.path, manifest)
     resting += quotations.resting([first.path, *resting])
     for path in resting[:SHOWN]:

@@ -49,6 +49,25 @@ def notes(manifest: Manifest) -> list[str]:
     ]
 
 
+def explained(finding: Finding, manifest: Manifest) -> str:
+    """Return what is wrong, and of files of results what to do, as sentences."""
+    return f"{finding.problem}. {_remedy(finding.path, manifest)}".rstrip()
+
+
+def _remedy(path: str, manifest: Manifest) -> str:
+    file = Path(path)
+    if path in manifest.products:
+        return "Delete it and run again." if file.exists() else "Run again to make it."
+    if not file.is_relative_to(provenance.RESULTS) or file in UNLISTED:
+        return ""
+    if path not in manifest.others:
+        return "Delete it; a run makes it again if it is a result."
+    if file.is_relative_to(provenance.FOLDER):
+        product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
+        return f"Delete {product} and run again, which makes both."
+    return "Another run lists it as it lies there."
+
+
 def in_order(manifest: Manifest) -> list[str]:
     """Return the products, each after those that it was made from."""
     ordered: list[str] = []
