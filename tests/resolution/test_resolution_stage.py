@@ -189,6 +189,24 @@ def designed_anew(name, monkeypatch):
     return made.called
 
 
+def test_what_is_to_be_played_next_is_the_new_design_where_the_run_fails(case, monkeypatch):
+    levels = iter([0.1, 0.2])
+
+    def one_design(records, simulation, source, limits, **options):
+        u = np.linspace(0.0, next(levels), 40)
+        source.design(1, records, lambda: Design(u, -5.0, ("a", "b"), 3.0, "free"))
+        return replace(resolution_of(ResolutionOutcome.OPEN), rounds=(), pending=1)
+
+    monkeypatch.setattr("dea.resolution.resolve", one_design)
+    monkeypatch.setattr("dea.store.write", Mock(side_effect=OSError("the disk is full")))
+    played = Path("results/resolve/carriage/next_excitation.csv")
+    for seed, level in ((1, 0.1), (2, 0.2)):
+        edited("config/config.yaml", "seed", value=seed)
+        with pytest.raises(OSError, match="the disk is full"):
+            resolve("carriage", "me", 1)
+        assert np.loadtxt(played, delimiter=",", skiprows=1)[-1, 1] == level
+
+
 STUDY, CASE = "config/config.yaml", "config/cases/carriage.yaml"
 
 

@@ -93,6 +93,8 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         records, simulation, source, limits,
         settings=settings, options=options, workers=threads,
     )  # fmt: skip
+    # First of all: a page that is left from before may ask for an excitation that no limit allows.
+    source.finish(found)
     driven = [each.number for each in found.rounds]
     driven += [CERTIFICATE] if found.certificate else []
     store.write(
@@ -109,7 +111,6 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     )
     _draw(folder, study.figures.resolution)
     _tabulate(folder.parent)
-    source.finish(found)
     return found
 
 
