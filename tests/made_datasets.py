@@ -146,6 +146,10 @@ def validation(seed: int) -> xr.Dataset:
                     ("model", "approach", "window", "test", "lag"),
                     0.05 * rng.standard_normal((*shape, len(TESTS), lags.size)),
                 ),
+                "tested_correlation": over(
+                    ("model", "approach", "window", "test", "lag"),
+                    0.05 * rng.standard_normal((*shape, len(TESTS), lags.size)),
+                ),
                 "band": over("test", np.full(len(TESTS), 1.96 / np.sqrt(n))),
                 "p_value": over(
                     ("model", "approach", "window", "test"), rng.random((*shape, len(TESTS)))

@@ -344,7 +344,9 @@ def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
     figure = residual_tests(validation, "dea1", approach="fitted, one-step")
     lines = [line.get_ydata() for line in figure.axes[0].lines]
     chosen = (
-        validation["correlation"].sel(approach="fitted, one-step", test="phi_ee").isel(window=0)
+        validation["tested_correlation"]
+        .sel(approach="fitted, one-step", test="phi_ee")
+        .isel(window=0)
     )
     assert [np.array_equal(a, b) for a, b in zip(lines, chosen.values, strict=True)] == [True, True]
     band = figure.axes[0].patches[0].get_extents().transformed(figure.axes[0].transData.inverted())
@@ -356,7 +358,11 @@ def test_residual_tests_say_what_is_correlated_and_where_a_short_window_ends():
     validation["time"][0] = 40.0 + np.arange(300) * 0.0222
     figure = residual_tests(validation, "dea1")
     said = figure.legends[0].get_title().get_text()
-    assert said == r"dea1, forecast: correlations $\phi$ of residual $e$ and input $u$"
+    assert said == (
+        "dea1, forecast\n"
+        r"correlations $\phi$ of residual $e$ and input $u$, below the first row made white;"
+        " $p$ of all lags together"
+    )
     assert figure.axes[0].get_title() == "40 to 46.66 s"
 
 

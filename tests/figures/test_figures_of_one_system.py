@@ -120,7 +120,7 @@ def test_residual_tests_plot_each_test_in_its_row_and_each_window_in_its_column(
     for row, test in enumerate(made.TESTS):
         for window in range(3):
             ax = axes[row, window]
-            part = chosen["correlation"].sel(test=test).isel(window=window)
+            part = chosen["tested_correlation"].sel(test=test).isel(window=window)
             for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
                 assert_line(ax, colour, part["lag"], part.sel(model=model))
             band = ax.patches[0].get_extents().transformed(ax.transData.inverted())
@@ -132,10 +132,25 @@ def test_residual_tests_plot_each_test_in_its_row_and_each_window_in_its_column(
     assert {ax.get_xlabel() for ax in axes[-1]} == {"lag (samples)"}
 
 
+def test_each_panel_of_residual_tests_says_its_p_values():
+    validation = made.validation(1)
+    forecast = {"approach": "forecast", "test": "phi_u2e"}
+    validation["p_value"].loc[{"model": "linear", **forecast}] = [0.004, 0.5, 0.5]
+    validation["p_value"].loc[{"model": "narx", **forecast}] = [1e-9, 1.0, 0.5]
+    axes = np.reshape(residual_tests(validation, "dea1").axes, (len(made.TESTS), 3))
+    row = list(made.TESTS).index("phi_u2e")
+    said = [[(t.get_text(), t.get_color()) for t in ax.texts] for ax in axes[row, :2]]
+    assert said == [
+        [("$p$ = 0.004", style.LINEAR), ("$p$ < 0.001", style.NARX)],
+        [("$p$ = 0.5", style.LINEAR), ("$p$ = 1", style.NARX)],
+    ]
+
+
 def test_residual_tests_say_where_a_model_has_diverged():
     validation = made.validation(1)
-    validation["correlation"].loc[{"model": "narx", "approach": "forecast"}][1] = np.inf
+    validation["tested_correlation"].loc[{"model": "narx", "approach": "forecast"}][1] = np.inf
     axes = np.reshape(residual_tests(validation, "dea1").axes, (len(made.TESTS), 3))
+    assert [len(ax.texts) for ax in axes[0]] == [2, 1, 2]
     titles = [ax.get_title() for ax in axes[0]]
     assert titles == ["100 to 130 s", "900 to 930 s, NARX diverged", "1700 to 1730 s"]
 

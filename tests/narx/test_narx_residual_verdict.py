@@ -5,7 +5,7 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from dea.narx.residual_verdict import joint_tests, verdict
-from dea.narx.residuals import TESTS, each_test
+from dea.narx.residuals import TESTS, band, each_test
 
 
 def smooth(rng, samples, pole=0.95):
@@ -59,6 +59,46 @@ def test_each_test_sees_what_it_is_for(caught_by, added):
     assert 0.01 < found.explained[at] < 0.6
 
 
+def test_the_correlations_are_those_of_the_signals_that_are_tested():
+    """Against sums over signals filtered as Yule and Walker's equations say, here of order one."""
+    rng = np.random.default_rng(6)
+    e, u = smooth(rng, 400, 0.9), smooth(rng, 400)
+    e, u = e - e.mean(), u - u.mean()
+    theta = e[1:] @ e[:-1] / (e @ e)
+    white = e[1:] - theta * e[:-1]
+
+    def filtered(signal):
+        return signal[1:] - theta * signal[:-1]
+
+    square = u**2 - np.mean(u**2)
+    pairs = {
+        "phi_ee": (e, e),
+        "phi_eu": (white, filtered(u)),
+        "phi_e(eu)": (white, filtered(e * u)),
+        "phi_u2e": (white, filtered(square)),
+        "phi_u2e2": (white**2, square[1:]),
+    }
+    found = dict(zip(TESTS, joint_tests(e, u, 9).correlation, strict=True))
+    for test, (one, other) in pairs.items():
+        a, b = one - one.mean(), other - other.mean()
+        for lag in (1, 9):
+            sums = sum(a[t] * b[t - lag] for t in range(lag, a.size))
+            weight = np.sqrt(a.size / (a.size - lag) * a.size / 400)
+            expected = weight * sums / np.sqrt(sum(a * a) * sum(b * b))
+            assert found[test][lag - 1] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.97])
+def test_the_band_holds_95_percent_of_the_tested_correlations_of_any_residual(colour):
+    rng = np.random.default_rng(9)
+    outside = np.zeros((len(TESTS), 25))
+    for _ in range(300):
+        found = joint_tests(smooth(rng, 500, colour), smooth(rng, 500), 25)
+        outside += np.abs(found.correlation) > band(500)
+    share = outside[1:] / 300
+    np.testing.assert_allclose(share.mean(axis=1), 0.05, atol=0.02)
+
+
 def test_the_share_explained_is_that_of_the_input_in_the_residual():
     rng = np.random.default_rng(3)
     e, u = rng.standard_normal(20_000), rng.standard_normal(20_000)
@@ -95,7 +135,9 @@ def test_a_residual_is_made_white_by_as_many_lags_as_schwarz_s_criterion_says(se
 def test_residuals_that_are_constant_or_not_finite_have_an_answer():
     u = np.sin(np.arange(200.0))
     for residual, p in ((np.full(200, np.inf), 0.0), (np.zeros(200), 1.0)):
-        assert joint_tests(residual, u, 10).p_value.tolist() == [p] * len(TESTS)
+        found = joint_tests(residual, u, 10)
+        assert found.p_value.tolist() == [p] * len(TESTS)
+        assert (found.correlation == (0.0 if p else np.inf)).all()
 
 
 def test_the_verdict_says_what_is_left():

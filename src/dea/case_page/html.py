@@ -12,8 +12,9 @@ from dea.number_format import number
 _CAPTIONS = {
     "fig2": "Orders compared on independent data (A, B), and windows that the models did not see:"
     " measured, and simulated with parameters from before the window.",
-    "residual_tests": "What remains of the output: correlations of the residual with its past and"
-    " with the input. Inside the band there is none.",
+    "residual_tests": "What remains of the output: correlations of the residual with its past, and"
+    " below, made white, with the input. With a smooth input neighbouring lags leave the band"
+    " together; p, of all lags of a panel together, says whether there is any.",
     "tracked_parameters": "Parameters followed through the record. What drifts shows here.",
     "fig3": "Gain of the frequency response over time, and at three times{bands}.",
     "fig4_h2": "Second-order response: which output two input frequencies produce together.",

@@ -1,9 +1,10 @@
-"""Residual correlation tests with the 95 % bands of white noise."""
+"""Residual correlations, as the joint tests have them, with their 95 % bands and p-values."""
 
 import re
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
@@ -11,6 +12,8 @@ from dea.store import Sources
 
 _SQUARE = re.compile(r"([a-z])2")
 _NUMBERED = re.compile(r"([a-z])(\d+)")
+_LEAST = 1e-3  # of a p-value that is written out
+_LINE = 7.5  # points
 _MODEL = {"linear": ("linear", style.LINEAR), "narx": ("NARX", style.NARX)}
 
 
@@ -41,8 +44,9 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
             reach = float(part["band"])
             ax.axhspan(-reach, reach, color=style.PALE, lw=0, label="95 % band of white noise")
             for model, (label, colour) in _MODEL.items():
-                values = part["correlation"].sel(model=model)
+                values = part["tested_correlation"].sel(model=model)
                 ax.plot(values["lag"], values, color=colour, lw=0.8, label=label)
+            _write_p_values(ax, part)
             if row == 0:
                 ax.set_title(_heading(part))
         axes[row, 0].set_ylabel(as_mathematics(str(test)))
@@ -50,9 +54,25 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3,
-                  title=f"{name}, {approach}: correlations $\\phi$ of residual $e$ and input $u$",
+                  title=f"{name}, {approach}\ncorrelations $\\phi$ of residual $e$ and input $u$,"
+                  " below the first row made white; $p$ of all lags together",
                   title_fontsize=7)  # fmt: skip
     return figure
+
+
+def _write_p_values(ax: Axes, part: xr.Dataset) -> None:
+    """Write the p-values of a panel's joint test; of a model that diverged there is none."""
+    shown = [
+        (colour, float(part["p_value"].sel(model=model)))
+        for model, (_, colour) in _MODEL.items()
+        if np.isfinite(part["tested_correlation"].sel(model=model)).any()
+    ]
+    for line, (colour, p) in enumerate(shown):
+        said = f"= {p:.2g}" if p >= _LEAST else f"< {_LEAST:g}"
+        ax.annotate(
+            f"$p$ {said}", (1, 1), (-1, -_LINE * line), xycoords="axes fraction",
+            textcoords="offset points", ha="right", va="top", fontsize=6, color=colour,
+        )  # fmt: skip
 
 
 def _heading(part: xr.Dataset) -> str:
@@ -61,7 +81,7 @@ def _heading(part: xr.Dataset) -> str:
     diverged = [
         f"{label} diverged"
         for model, (label, _) in _MODEL.items()
-        if not np.isfinite(part["correlation"].sel(model=model)).any()
+        if not np.isfinite(part["tested_correlation"].sel(model=model)).any()
     ]
     end = 2 * time[-1] - time[-2]  # where the last sample ends
     return ", ".join([f"{_plain(time[0])} to {_plain(end)} s", *diverged])

@@ -14,7 +14,7 @@ import numpy as np
 from dea.arrays import Array
 from dea.autoregression import fit_autoregression, innovations
 from dea.inputs import by_input, input_count
-from dea.narx.residuals import PAIR_TEST, each_test, product
+from dea.narx.residuals import PAIR_TEST, correlation, each_test, product
 from dea.number_format import written_out
 
 LEVEL = 0.05  # of all tests of a system together
@@ -41,15 +41,18 @@ _RELATIONS = {
 
 
 class JointTests(NamedTuple):
-    """One number per test, in the order of :func:`dea.narx.residuals.each_test`, shape (tests,).
+    """What each test finds, in the order of :func:`dea.narx.residuals.each_test`, shape (tests,).
 
     ``p_value``: how often a residual without that relation gives as much. ``explained``: the share
     of the whitened residual's power (of its squares' variance in the last test) that all lags
     explain, less what chance does; for the first test, what its own past explains.
+    ``correlation``: of the two signals that are tested, shape (tests, lags); without a relation
+    95 % are within :func:`dea.narx.residuals.band` of the residual's samples.
     """
 
     p_value: Array
     explained: Array
+    correlation: Array
 
 
 def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
@@ -65,18 +68,19 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     Returns
     -------
     JointTests
-        Of a residual that is not finite, p-values of 0 and everything explained; of a constant
-        one, p-values of 1 and nothing explained.
+        Of a residual that is not finite, p-values of 0, everything explained and infinite
+        correlations; of a constant one, p-values of 1, nothing explained and no correlation.
     """
     _, *tests = each_test(input_count(u)).values()
     count = 1 + len(tests)
     if not np.isfinite(e).all():
-        return JointTests(np.zeros(count), np.ones(count))
+        return JointTests(np.zeros(count), np.ones(count), np.full((count, max_lag), np.inf))
     residual, inputs = e - e.mean(), by_input(u - u.mean(axis=0))
     if not residual.any():
-        return JointTests(np.ones(count), np.zeros(count))
+        return JointTests(np.ones(count), np.zeros(count), np.zeros((count, max_lag)))
     colour = fit_autoregression([residual])
     white = innovations(colour, residual)
+    shown = [correlation(residual, residual, max_lag)]
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
     for name, columns in tests:
         relation = _RELATIONS[name]
@@ -84,8 +88,13 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
         target = white**2 if relation.in_power else white
         if not relation.in_power:  # squares of a white residual are not coloured by its filter
             instrument = innovations(colour, instrument)
-        found.append(_regression(target, instrument[-target.size :], max_lag))
-    return JointTests(*np.array(found).T)
+        instrument = instrument[-target.size :]
+        found.append(_regression(target, instrument, max_lag))
+        # The filter has taken the first samples: the band is still that of all.
+        kept = np.sqrt(target.size / residual.size)
+        shown.append(kept * correlation(target, instrument, max_lag))
+    p_value, explained = np.array(found).T
+    return JointTests(p_value, explained, np.array(shown))
 
 
 def verdict(

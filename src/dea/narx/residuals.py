@@ -52,7 +52,7 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
     residual = e - e.mean()
     return np.array(
         [
-            _correlation(*_signals(test, residual, *(centred[k] for k in columns)), max_lag)
+            correlation(*_signals(test, residual, *(centred[k] for k in columns)), max_lag)
             for test, columns in tests.values()
         ]
     )
@@ -94,7 +94,8 @@ def band(samples: int) -> float:
     return float(_CONFIDENCE / np.sqrt(samples))
 
 
-def _correlation(a: Array, b: Array, max_lag: int) -> Array:
+def correlation(a: Array, b: Array, max_lag: int) -> Array:
+    """Correlate a signal with the past of another, both about their means, at each lag."""
     a, b = a - a.mean(), b - b.mean()
     scale = np.sqrt(np.sum(a**2) * np.sum(b**2))
     if scale == 0.0:

@@ -163,7 +163,7 @@ def _tried(
     simulated = np.empty((*shape, samples))
     scores = {name: np.empty(shape) for name in ("nmse", "fit", "fpe", "rmse")}
     p_value, explained = np.empty((*shape, tests)), np.empty((*shape, tests))
-    correlation = np.empty((*shape, tests, max_lag))
+    correlation, tested = np.empty((2, *shape, tests, max_lag))
     for at in np.ndindex(shape):
         model = models[at[0]]
         earlier, window = spans[at[2]]
@@ -183,9 +183,9 @@ def _tried(
         residual, known_input = np.zeros(there.size), driving[window][start:]
         residual[there] = pair[0] - pair[1]
         correlation[at] = correlation_tests(residual, known_input, max_lag)
-        p_value[at], explained[at] = joint_tests(residual, known_input, max_lag)
+        p_value[at], explained[at], tested[at] = joint_tests(residual, known_input, max_lag)
     width = band(samples - max(model.max_lag for model in models))
-    return Validated(simulated, scores, correlation, p_value, explained, width, [])
+    return Validated(simulated, scores, correlation, tested, p_value, explained, width, [])
 
 
 def _spans(windows: Windows, rate: float, samples: int) -> list[tuple[slice, slice]]:

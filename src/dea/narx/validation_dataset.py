@@ -22,8 +22,9 @@ class Validated(NamedTuple):
     simulated: Array  # (models, approaches, windows, samples)
     scores: Mapping[str, Array]  # (models, approaches, windows) by name
     correlation: Array  # (models, approaches, windows, tests, lags)
+    tested: Array  # the same, of the signals of the joint tests
     p_value: Array  # (models, approaches, windows, tests)
-    explained: Array  # the same
+    explained: Array  # as the p-values
     band: float  # half-width of the 95 % band of the correlation
     verdicts: list[str]  # (models,)
 
@@ -67,6 +68,11 @@ def validation_dataset(
         "correlation": (
             (*tests, "lag"), found.correlation, "1",
             "correlation coefficient of the free run's residual",
+        ),
+        "tested_correlation": (
+            (*tests, "lag"), found.tested, "1",
+            "correlation coefficient that a joint test is of: but in phi_ee, of the whitened"
+            " residual",
         ),
         "band": (
             ("test",), np.full(coordinates["test"].size, found.band), "1",

@@ -183,6 +183,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "fpe": _plain(*_METRIC),
             "rmse": _plain(*_METRIC),
             "correlation": _plain(*_METRIC, "test", "lag", units="1"),
+            "tested_correlation": _plain(*_METRIC, "test", "lag", units="1"),
             "p_value": _plain(*_METRIC, "test", units="1"),
             "explained": _plain(*_METRIC, "test", units="1"),
             "verdict": _plain("model", units="1"),
