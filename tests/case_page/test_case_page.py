@@ -120,8 +120,18 @@ def test_a_caption_tells_of_bands_where_they_are_given(findings, withheld):
     findings.sources.dataset("gfrf").attrs["withheld"] = withheld
     text = page(findings, {"fig3": PICTURE})
     assert ("No bands are given" in text) == bool(withheld)
-    assert ("and at three times.<" in text) == bool(withheld)
+    assert ("and at three times. Without bands" in text) == bool(withheld)
     assert ("and at three times with 95 % bands.<" in text) == (not withheld)
+
+
+@pytest.mark.parametrize("withheld", ["", "one step is not white"])
+@pytest.mark.parametrize("name", ["fig3", "tracked_parameters"])
+def test_a_caption_does_not_take_a_course_without_a_band_for_drift(findings, name, withheld):
+    findings.sources.dataset("gfrf").attrs["withheld"] = withheld
+    [caption] = re.findall("<figcaption>(.*?)</figcaption>", page(findings, {name: PICTURE}))
+    said = "Without bands this does not tell drift from error of estimation." in caption
+    assert said == bool(withheld)
+    assert "What drifts" not in caption
 
 
 def test_pictures_are_shown_in_proportion(findings):

@@ -15,11 +15,14 @@ _CAPTIONS = {
     "residual_tests": "What remains of the output: correlations of the residual with its past, and"
     " below, made white, with the input. With a smooth input neighbouring lags leave the band"
     " together; p, of all lags of a panel together, says whether there is any.",
-    "tracked_parameters": "Parameters followed through the record. What drifts shows here.",
-    "fig3": "Gain of the frequency response over time, and at three times{bands}.",
+    "tracked_parameters": "Above: what free-run simulation of the whole record leaves unexplained,"
+    " with fixed and with tracked parameters. Below: each parameter over time{bands}. Those of"
+    " neighbouring lags are strongly correlated: compare the frequency responses instead.{unsure}",
+    "fig3": "Gain of the frequency response over time, and at three times{bands}.{unsure}",
     "fig4_h2": "Second-order response: which output two input frequencies produce together.",
     "discrepancy": "The simulation beside the record, and what it lacks.",
 }
+_UNSURE = " Without bands this does not tell drift from error of estimation."
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
   color: #1a1a1a; background: #fff; }
@@ -79,8 +82,9 @@ def _responses(findings: Findings) -> str:
 
 def _captions(findings: Findings, *names: str) -> dict[str, str]:
     """Return the captions of pictures; bands are told of where they are given."""
-    bands = "" if findings.responses_withheld else " with 95 % bands"
-    return {name: _CAPTIONS[name].format(bands=bands) for name in names}
+    withheld = bool(findings.responses_withheld)
+    said = {"bands": "" if withheld else " with 95 % bands", "unsure": _UNSURE if withheld else ""}
+    return {name: _CAPTIONS[name].format(**said) for name in names}
 
 
 def _section(
