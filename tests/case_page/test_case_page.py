@@ -134,6 +134,14 @@ def test_a_caption_does_not_take_a_course_without_a_band_for_drift(findings, nam
     assert "What drifts" not in caption
 
 
+def test_the_caption_of_the_windows_says_which_parameters_come_from_them(findings):
+    [caption] = re.findall("<figcaption>(.*?)</figcaption>", page(findings, {"fig2": PICTURE}))
+    assert (
+        "parameters of a forecast are estimated before the window, fitted ones from the" in caption
+    )
+    assert "forecast against measured output (C)" in caption
+
+
 def test_pictures_are_shown_in_proportion(findings):
     narrow, wide = (PICTURE[:16] + width.to_bytes(4) + PICTURE[20:] for width in (900, 2000))
     shown = re.findall(

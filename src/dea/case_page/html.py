@@ -10,8 +10,10 @@ from dea.number_format import number
 
 # The pictures that belong to a section, by the beginning of their names.
 _CAPTIONS = {
-    "fig2": "Orders compared on independent data (A, B), and windows that the models did not see:"
-    " measured, and simulated with parameters from before the window.",
+    "fig2": "Orders compared on independent data (A, B), forecast against measured output (C), and"
+    " free-run simulation of each window: parameters of a forecast are estimated before the window,"
+    " fitted ones from the window itself, both so that the free run's error is least; those fitted"
+    " one step ahead from the window by least squares on the one-step prediction.",
     "residual_tests": "What remains of the output: correlations of the residual with its past, and"
     " below, made white, with the input. With a smooth input neighbouring lags leave the band"
     " together; p, of all lags of a panel together, says whether there is any.",
