@@ -64,10 +64,17 @@ def test_the_errors_are_in_noise_floors_before_along_x_and_after_along_y(scores)
 
 def test_the_curve_of_risk_and_the_point_of_the_verdicts(scores):
     ax = trials_risk_coverage(scores).axes[0]
-    curve, point = ax.lines
+    curve, point, *_ = ax.lines
     np.testing.assert_array_equal(curve.get_data(), [scores["coverage"], scores["risk"]])
     assert point.get_xdata() == float(scores["coverage_of_names"])
     assert point.get_ydata() == float(scores["risk_of_names"])
+    [[_, _, [interval]]] = ax.containers
+    names = scores.sel(measure="names given that are right")
+    expected = [1.0 - float(names["rate_high"]), 1.0 - float(names["rate_low"])]
+    np.testing.assert_allclose(interval.get_segments()[0][:, 1], expected)
+    assert 0.0 <= expected[0] < point.get_ydata()[0] < expected[1] <= 1.0
+    [count] = re.findall(r"names as given \((\d+)\)", ax.containers[0].get_label())
+    assert int(count) == round(60 * float(scores["coverage_of_names"]))
 
 
 @pytest.mark.parametrize(("panel", "dim"), [(0, "strength_bin"), (1, "excitation_kind")])
