@@ -274,8 +274,7 @@ def _shape(
     if change := effect.get("change"):
         told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
     else:
-        estimates = list(effect["parameters"].items())[:_TOLD]
-        told += [_estimate(name, each) for name, each in estimates]
+        told += [_estimate(name, each) for name, each in _telling(effect["parameters"])]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
 
 
@@ -302,6 +301,13 @@ def _text_height(ax: Axes) -> float:
     """Return how far the text above a law reaches, in points."""
     lines = ax.get_title(loc="right").count("\n") + 1
     return _LEGEND_HEIGHT + _LINE_HEIGHT * lines
+
+
+def _telling(parameters: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Return the first parameter, then others that are not as expected without the record."""
+    first, others = list(parameters.items())[:1], list(parameters.items())[1:]
+    others.sort(key=lambda each: each[1]["low"] <= each[1]["prior"] <= each[1]["high"])
+    return [*first, *others][:_TOLD]
 
 
 def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
