@@ -122,6 +122,19 @@ def test_axes_of_gains_span_the_same_multiples_of_each_systems_own():
     assert relative[0][0] >= 0.0
 
 
+def test_axes_of_phases_are_the_same():
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    responses["dea2"]["H1"][..., 1] *= 0.1
+    figure = fig3_phase({name: made.record(1) for name in EACH}, responses)
+    axes = [ax for ax in figure.axes if ax.get_ylabel() == "phase of $H_1$ (degrees)"]
+    assert len({ax.get_ylim() for ax in axes}) == 1
+    for ax in axes:
+        x, y = np.concatenate([line.get_xydata() for line in ax.lines]).T
+        drawn = y[x <= ax.get_xlim()[1]]
+        assert ax.get_ylim()[0] < np.nanmin(drawn)
+        assert np.nanmax(drawn) < ax.get_ylim()[1]
+
+
 @pytest.mark.parametrize("draw", [fig3, fig3_phase])
 def test_each_of_several_inputs_has_a_map_of_h1(draw):
     response = made.gfrf_of_inputs()

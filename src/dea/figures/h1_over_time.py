@@ -41,8 +41,9 @@ class H1Quantity(NamedTuple):
 
     ``maps`` over ``time`` and ``frequency`` on the colour scale ``norm``; ``curves`` likewise, in
     the units of the variables ``low`` and ``high`` of the response, the ends of their bands;
-    ``curve_labels`` say what they are. Where ``references`` are given, one for each curve, the axes
-    of the curves span the same multiples of them, so that equal shares look equal.
+    ``curve_labels`` say what they are. The axes of the curves are the same; where ``references``
+    are given, one for each curve, they span the same multiples of them, so that equal shares look
+    equal.
     """
 
     maps: Mapping[str, xr.DataArray]
@@ -185,14 +186,16 @@ def _seen(response: xr.Dataset, values: xr.DataArray) -> NDArray[np.float64]:
 def _span_alike(
     axes: Mapping[str, Axes], responses: Mapping[str, xr.Dataset], shown: H1Quantity
 ) -> None:
-    """Limit the axes of the curves to the same multiples of their references, and not below 0."""
-    references = {k: v for k, v in (shown.references or {}).items() if np.isfinite(v) and v > 0.0}
+    """Limit the axes of the curves alike, or to the same multiples of references, not below 0."""
+    given = dict.fromkeys(axes, 1.0) if shown.references is None else shown.references
+    references = {k: v for k, v in given.items() if np.isfinite(v) and v > 0.0}
     relative = [_seen(responses[k], shown.curves[k]) / v for k, v in references.items()]
     every = np.concatenate(relative) if relative else np.empty(0)
     if not every.size or np.ptp(every) == 0.0:
         return
     margin = _MARGIN * np.ptp(every)
-    low, high = max(0.0, every.min() - margin), every.max() + margin
+    least = -np.inf if shown.references is None else 0.0
+    low, high = max(least, every.min() - margin), every.max() + margin
     for name, reference in references.items():
         axes[name].set_ylim(low * reference, high * reference)
 
