@@ -8,7 +8,13 @@ from scipy.optimize import brentq
 from scipy.signal import lfilter, periodogram
 from scipy.stats import kurtosis, norm
 
-from dea.discrepancy.evidence.colour import is_coloured_noise, is_white, predictable
+from dea.discrepancy.evidence.colour import (
+    follows_energy,
+    is_coloured_noise,
+    is_like_gaussian,
+    is_white,
+    predictable,
+)
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.problem import Problem
 from dea.missing import runs
@@ -142,6 +148,7 @@ def test_differences_of_floating_point_are_no_steps():
 
 N, BLOCK = 2500, 50
 BLOCKS = [slice(k, k + BLOCK) for k in range(0, N, BLOCK)]
+FIFTHS = [slice(k, k + N // 5) for k in range(0, N, N // 5)]
 
 
 def record_of(u, residual):
@@ -234,6 +241,85 @@ def test_the_past_reaches_from_now_back_to_a_twentieth_of_the_record(lag, found)
     residual = u + np.concatenate([np.zeros(lag), u[: N - lag]])
     part = predictable(record_of(u, residual), residual)
     assert part > 0.9 if found else part < 0.5
+
+
+def slow(rng, memory, samples=N):
+    """Gaussian noise of a deviation of one that remembers so many samples."""
+    a = np.exp(-1.0 / memory)
+    white = rng.standard_normal(samples + 10 * memory)
+    return np.sqrt(1.0 - a**2) * lfilter([1.0], [1.0, -a], white)[10 * memory :]
+
+
+def moving(y, residual):
+    """A record whose simulation moves by ``y``, driven by a command that nothing follows."""
+    halves = np.arange(N) // 125 % 2 == 0
+    u = np.random.default_rng(13).standard_normal(N)
+    return Problem(u, y + residual, 0.02, halves, ~halves, np.zeros(N, bool))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_a_changing_parameter_leaves_is_no_noise(seed):
+    """It is the motion times a course that nothing tells, beside white noise of the sensor."""
+    rng = np.random.default_rng(seed)
+    y, course = slow(rng, 60), slow(rng, 15)
+    residual = 1.5 * y * course + rng.standard_normal(N)
+    of_another = np.roll(y, N // 2)
+    assert follows_energy(moving(y, residual), residual)
+    assert not follows_energy(moving(of_another, residual), residual)
+    assert not is_coloured_noise(moving(y, residual), residual, FIFTHS)
+
+
+@pytest.mark.parametrize("bursts", [False, True])
+def test_noise_of_its_own_seldom_follows_the_energy_of_the_motion(bursts):
+    rng, taken, count = np.random.default_rng(14), 0, 120
+    for trial in range(count):
+        y = slow(rng, (5, 40, 200)[trial % 3])
+        if bursts:
+            y *= np.arange(N) // 400 % 2
+        residual = slow(rng, (2, 20, 150)[trial // 3 % 3]) + 0.3 * rng.standard_normal(N)
+        taken += follows_energy(moving(y, residual), residual)
+    assert taken <= 0.04 * count
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_a_few_pushes_leave_is_no_noise(seed):
+    """They are slow, so that the innovations are those of the sensor's white noise."""
+    rng = np.random.default_rng(seed)
+    pushes = np.zeros(N)
+    pushes[rng.choice(N, 5, replace=False)] = rng.choice([-1.0, 1.0], 5)
+    heard = lfilter([1.0], [1.0, -1.96, 0.9625], pushes)
+    residual = 8.0 * heard / np.abs(heard).max() + rng.standard_normal(N)
+    problem = moving(slow(rng, 60), residual)
+    assert not is_like_gaussian(problem, residual, FIFTHS)
+    assert not is_coloured_noise(problem, residual, FIFTHS)
+    # The same energy at the same frequencies, spread over the record.
+    turned = np.exp(2j * np.pi * rng.random(N // 2 + 1))
+    spread = np.fft.irfft(np.abs(np.fft.rfft(residual)) * turned, N)
+    assert is_coloured_noise(moving(slow(rng, 60), spread), spread, FIFTHS)
+
+
+@pytest.mark.parametrize("memory", [2, 30, 600])
+def test_gaussian_noise_is_seldom_told_from_itself(memory):
+    rng, count = np.random.default_rng(16), 60
+    told = 0
+    for _ in range(count):
+        residual = slow(rng, memory) + 0.2 * rng.standard_normal(N)
+        told += not is_like_gaussian(moving(slow(rng, 60), residual), residual, FIFTHS)
+    assert told <= 0.05 * count
+
+
+def test_samples_that_are_not_seen_do_not_tell_what_noise_follows():
+    rng = np.random.default_rng(15)
+    y = slow(rng, 60)
+    residual = slow(rng, 20)
+    problem = replace(moving(y, residual), certify=np.arange(N) // 500 == 2)
+    problem = replace(
+        problem, fit=problem.fit & ~problem.certify, select=problem.select & ~problem.certify
+    )
+    assert not follows_energy(problem, residual)
+    hidden_there = np.where(problem.certify, 30.0 * y, residual)
+    spoilt = replace(problem, y=y + hidden_there)
+    assert not follows_energy(spoilt, hidden_there)
 
 
 def seen_in_part():

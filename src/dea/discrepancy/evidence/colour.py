@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from dea.autoregression import fit_autoregression, innovations
-from dea.discrepancy.evidence.null import long_parts
+from dea.discrepancy.evidence.null import long_blocks, long_parts
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
@@ -23,6 +23,11 @@ _KURTOSIS, _UNEVEN = 1.0, 0.35
 # Lags at which signs are compared, the part of the samples that have another one so far ahead, and
 # the probability with which white noise fails.
 _SIGNS, _PAIRS, _CHANCE = 50, 0.2, 1e-3
+# Gaussian signals of a residual's spectrum, all of which it must exceed to be told from them.
+_SURROGATES = 200
+# Part of the record over which energies are averaged, and the shifts of the motion (the nearest by
+# a twentieth of the record) all of which its energy at the right time must exceed.
+_AVERAGED, _SHIFTS, _NEAREST = 200, 200, 20
 # Lags of the input, up to this part of the record, and the weight of the ridge.
 _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 
@@ -33,8 +38,9 @@ def is_coloured_noise(
     """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
 
     An autoregression whitens it; what that leaves must be as large in every one of the
-    ``blocks`` and without outliers, and at ``most`` this part of the residual may be predicted from
-    input and motion.
+    ``blocks`` and without outliers. Of a slow residual beside white noise that is the white noise:
+    the residual itself must look like a Gaussian one of its spectrum, too. At ``most`` this part of
+    it may be predicted from input and motion, and of its energy from that of the motion.
     """
     parts = long_parts(residual, blocks)
     if len(parts) < 2:  # nothing says whether it is as large everywhere
@@ -45,7 +51,11 @@ def is_coloured_noise(
     kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
     levels = np.log([part.std() for part in parts])
     even = float(np.std(levels)) <= _UNEVEN
-    return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= most
+    if not (even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= most):
+        return False
+    if follows_energy(problem, residual, most):
+        return False
+    return is_like_gaussian(problem, residual, long_blocks(blocks))
 
 
 def leaves_coloured_noise(
@@ -84,6 +94,63 @@ def predictable(problem: Problem, residual: np.ndarray) -> float:
     """Return the part of a residual that input and motion predict on samples not fitted to."""
     flexible = 1.0 - residual_model(problem, residual).ratio
     return max(flexible, _follows_input(problem, residual))
+
+
+def is_like_gaussian(problem: Problem, residual: np.ndarray, blocks: Sequence[slice]) -> bool:
+    """Return whether a residual (n,) is as even as Gaussian noise of its spectrum can be.
+
+    Its kurtosis and the spread of its levels over the ``blocks`` are compared with those of signals
+    with the same spectrum and random phases (Theiler et al. 1992, Physica D 58:77): what comes from
+    a few events has larger ones. As much more is allowed as of innovations.
+    """
+    seen, at = problem.seen, np.arange(residual.size)
+    bridged = np.interp(at, at[seen], residual[seen] - residual[seen].mean())
+    spectrum = np.abs(np.fft.rfft(bridged))
+
+    def shape(signal: np.ndarray) -> tuple[float, float]:
+        parts = [signal[block] for block in blocks]
+        whole = np.concatenate(parts)
+        kurtosis = float(np.mean(whole**4) / np.mean(whole**2) ** 2)
+        return kurtosis, float(np.std(np.log([part.std() for part in parts])))
+
+    # The same phases for every residual, so that two of one record are compared alike.
+    phases = np.random.default_rng(0).random((_SURROGATES, spectrum.size))
+    made = (spectrum * np.exp(2j * np.pi * own) for own in phases)
+    sharpest, most_uneven = np.max([shape(np.fft.irfft(m, residual.size)) for m in made], axis=0)
+    kurtosis, uneven = shape(bridged)
+    return bool(
+        kurtosis <= sharpest + _KURTOSIS and uneven <= float(np.hypot(most_uneven, _UNEVEN))
+    )
+
+
+def follows_energy(problem: Problem, residual: np.ndarray, most: float = PREDICTED) -> bool:
+    """Return whether a residual (n,) is large where the simulated output moves far or fast.
+
+    What the device itself causes, as a parameter that changes with time does, need not be
+    predictable from the motion, but is as large as it. The logarithms of both energies, averaged
+    over a short time, are compared: more than ``most`` of the variance must be shared, and more
+    than with the motion shifted round the record.
+    """
+    seen, n = problem.seen, residual.size
+    window = np.ones(max(3, n // _AVERAGED))
+    there = np.convolve(seen, window, "same")
+    left = np.where(seen, residual - residual[seen].mean(), 0.0)
+    energy = np.log(np.convolve(left**2, window, "same")[seen] / there[seen] + 1e-300)
+    motion = problem.y - residual
+    # The same shifts for every residual, so that two of one record are compared alike.
+    shifts = np.random.default_rng(0).integers(n // _NEAREST, n - n // _NEAREST, _SHIFTS)
+
+    def shared(signal: np.ndarray) -> bool:
+        moved = np.convolve(signal**2, window, "same")
+        moved = np.log(moved + 1e-12 * moved.mean() + 1e-300)
+        if not np.ptp(moved) or not np.ptp(energy):
+            return False
+        here, *elsewhere = (
+            np.corrcoef(energy, np.roll(moved, shift)[seen])[0, 1] for shift in (0, *shifts)
+        )
+        return bool(here > max(elsewhere) and here**2 > most)
+
+    return shared(motion - motion.mean()) or shared(np.gradient(motion))
 
 
 def _follows_input(problem: Problem, residual: np.ndarray) -> float:

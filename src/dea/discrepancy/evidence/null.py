@@ -17,8 +17,13 @@ def long_parts(residual: np.ndarray, blocks: Sequence[slice]) -> list[np.ndarray
 
     Blocks of fewer than 21 samples show none.
     """
-    parts = [residual[block] for block in blocks]
-    return [part - part.mean() for part in parts if part.size >= _SHORTEST]
+    parts = [residual[block] for block in long_blocks(blocks)]
+    return [part - part.mean() for part in parts]
+
+
+def long_blocks(blocks: Sequence[slice]) -> list[slice]:
+    """Return the blocks that show the colour of a residual."""
+    return [block for block in blocks if block.stop - block.start >= _SHORTEST]
 
 
 def null_gain(
