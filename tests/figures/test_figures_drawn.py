@@ -404,6 +404,21 @@ def test_a_course_that_begins_far_off_does_not_flatten_the_rest():
     assert not axes[0].texts
 
 
+def test_first_estimates_that_swing_do_not_flatten_the_rest():
+    track = made.track(1)
+    term = track["term"].values[1]
+    course = track["parameter"].sel(tracker="rls", term=term).values
+    first = track["time"].values < 240.0  # of half an hour
+    swing = np.where(first, 100.0 * np.sin(track["time"].values / 10.0), course)
+    track["parameter"].loc[{"tracker": "rls", "term": term}] = swing
+    ax = tracked_parameters(made.record(1), track, "dea1").subfigs[1].axes[1]
+    later = track["parameter"].sel(term=term).values[:, ~first]
+    low, high = ax.get_ylim()
+    assert low < later.min() < later.max() < high
+    assert high - low < 4 * np.ptp(later)
+    assert any(text.get_text().startswith("cut; reaches ") for text in ax.texts)
+
+
 def test_every_panel_of_tracked_parameters_shows_its_times():
     axes = tracked_parameters(made.record(1), made.track(1), "dea1").subfigs[1].axes
     shown = [ax for ax in axes if ax.get_visible()]

@@ -21,9 +21,10 @@ _LINE = 120  # characters of a note
 _PALENESS = 0.22
 # Of a simulation that diverges: the part of its residuals that is usual, and the axis over it.
 _USUAL, _OVER_USUAL = 0.99, 5.0
-# Parts of a parameter's course, and of an end of its band, that may leave a cut axis on a side;
-# its margins, and from where on an axis is cut, both over what the rest spans.
-_CUT_COURSE, _CUT_BAND = 0.02, 0.2
+# First part of a record, which may leave a cut axis, and the parts of the course after it, and of
+# an end of its band, that may do so on a side.
+_START, _CUT_COURSE, _CUT_BAND = 0.15, 0.02, 0.2
+# Margins of a cut axis, and from where on an axis is cut, both over what the rest spans.
 _MARGIN, _FLATTENED = 0.5, 2.5
 _TRACKER = {
     "rls": ("recursive least squares", style.BLUE, "-"),
@@ -182,19 +183,21 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
 def _limits(ax: Axes, banded: xr.Dataset | None) -> None:
     """Limit an axis to the central part of what is drawn, where the rest would flatten it.
 
-    The first bands of a record, which rest on few samples, are wider than all later ones.
+    The first estimates of a record rest on few samples: they swing, and their bands are wide.
     """
     drawn = [np.asarray(line.get_ydata(), dtype=np.float64) for line in ax.lines]
     parts = [(each, _CUT_COURSE) for each in drawn]
     if banded is not None:
         parts += [(banded[end].values.ravel(), _CUT_BAND) for end in ("band_low", "band_high")]
-    known = [(each[np.isfinite(each)], share) for each, share in parts]
-    known = [(each, share) for each, share in known if each.size]
-    if not known:
+    every = np.concatenate([each[np.isfinite(each)] for each, _ in parts])
+    later = [(each[round(_START * each.size) :], share) for each, share in parts]
+    later = [(each[np.isfinite(each)], share) for each, share in later]
+    later = [(each, share) for each, share in later if each.size]
+    if not later:
         return
-    least, most = min(each.min() for each, _ in known), max(each.max() for each, _ in known)
-    low = min(float(np.quantile(each, share)) for each, share in known)
-    high = max(float(np.quantile(each, 1.0 - share)) for each, share in known)
+    least, most = float(every.min()), float(every.max())
+    low = min(float(np.quantile(each, share)) for each, share in later)
+    high = max(float(np.quantile(each, 1.0 - share)) for each, share in later)
     if not most - least > _FLATTENED * (high - low) > 0.0:
         return
     margin = _MARGIN * (high - low)
