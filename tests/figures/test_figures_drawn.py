@@ -243,14 +243,7 @@ def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lin
     gfrf["H2"][..., 1] = 0.0
     ax = fig4_h2({"dea1": gfrf}).axes[0]
     labels = ax.texts
-    contours = [
-        c
-        for c in ax.collections
-        if isinstance(c, ContourSet)
-        and not c.filled
-        and mcolors.same_color(c.get_edgecolor()[0], "w")
-    ]
-    assert sum(len(contour.levels) for contour in contours) == lines
+    assert sum(len(contour.levels) for contour in contours(ax)) == lines
     assert bool(labels) is bool(lines)
     assert len({label.get_text() for label in labels}) == len(labels)
     assert all(len(label.get_text().strip("0.").replace(".", "")) <= 3 for label in labels)
@@ -260,6 +253,24 @@ def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lin
     assert all(np.abs(place).max() <= 0.6 for place in places)
     for one, other in itertools.combinations(places, 2):
         assert np.abs(one - other).max() >= 0.7
+
+
+def contours(ax):
+    """The contours of a map, without the edge of what was excited."""
+    lines = [c for c in ax.collections if isinstance(c, ContourSet) and not c.filled]
+    return [c for c in lines if mcolors.same_color(c.get_edgecolor()[0], "w")]
+
+
+def test_no_contour_is_drawn_without_its_level():
+    gfrf = made.gfrf(1)
+    f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
+    gfrf["H2"][..., 0] = 0.5 + np.exp(-3.0 * (f1 + f2))
+    gfrf["H2"][..., 1] = 0.0
+    ax = fig4_h2({"dea1": gfrf}).axes[0]
+    [lines] = contours(ax)
+    levels = [f"{level:.2g}" for level in lines.levels]
+    assert levels
+    assert [text.get_text() for text in ax.texts] == levels
 
 
 @pytest.mark.parametrize("draw", [fig4_h2, fig4_h3])

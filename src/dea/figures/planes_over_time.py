@@ -222,7 +222,8 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: PlaneQua
     ax.set_xlim(_view(f1, np.any(~doubtful, axis=0)))
     ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
     ax.set_box_aspect(1)
-    _contours(ax, values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1"))))
+    trusted = values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1")))
+    _contours(ax, trusted)
     hatch(ax, f1, f2, doubtful)
     return mesh
 
@@ -234,33 +235,33 @@ def _view(frequency: Array, excited: NDArray[np.bool_]) -> tuple[float, float]:
 
 
 def _contours(ax: Axes, trusted: xr.DataArray) -> None:
-    """Draw contours at levels of the panel's own, since the common colour scale may be wide."""
+    """Draw contours at levels of the panel's own, since the common colour scale may be wide.
+
+    A level without a place for its label is left out.
+    """
     low, high = float(trusted.min()), float(trusted.max())
     if not high - low > _FLAT * max(abs(low), abs(high)):
         return
     levels = _levels(low, high)
     known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
     f1, f2 = known["frequency_1"].values, known["frequency_2"].values
-    lines = ax.contour(
-        f1,
-        f2,
-        known.transpose("frequency_2", "frequency_1"),
-        levels,
-        colors="white",
-        linewidths=0.5,
-        linestyles="solid",
-    )
+    heights = known.transpose("frequency_2", "frequency_1").values
+    every = ax.contour(f1, f2, heights, levels)
     places: list[Array] = []
-    for path in lines.get_paths():
+    labelled: list[float] = []
+    for level, path in zip(levels, every.get_paths(), strict=True):
         place = _place_for_label(np.asarray(path.vertices), places, f1, f2)
         if place is not None:
             places.append(place)
-    ax.clabel(
-        lines,
-        fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)),
-        fontsize=6,
-        manual=places,
+            labelled.append(level)
+    every.remove()
+    if not labelled:
+        return
+    lines = ax.contour(
+        f1, f2, heights, labelled, colors="white", linewidths=0.5, linestyles="solid"
     )
+    written = dict(zip(labelled, _labels(np.array(labelled)), strict=True))
+    ax.clabel(lines, fmt=written, fontsize=6, manual=places)
 
 
 def _place_for_label(
