@@ -273,6 +273,19 @@ def test_no_contour_is_drawn_without_its_level():
     assert [text.get_text() for text in ax.texts] == levels
 
 
+def test_levels_of_a_logarithmic_map_are_in_equal_ratios():
+    gfrf = made.gfrf(1)
+    f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
+    gfrf["H2"][..., 0] = np.exp(1.5 * (f1 + f2))
+    gfrf["H2"][..., 1] = 0.0
+    figure = fig4_h2({"dea1": gfrf})
+    mesh = next(c for c in figure.axes[0].collections if c.get_array() is not None)
+    assert isinstance(mesh.norm, mcolors.LogNorm)
+    [lines] = contours(figure.axes[0])
+    assert len(lines.levels) == 3
+    np.testing.assert_allclose(np.diff(np.log(lines.levels), 2), 0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize("draw", [fig4_h2, fig4_h3])
 def test_a_page_of_one_system_is_wide_and_readable(draw):
     gfrf = made.gfrf(1).assign_attrs(withheld="biased " * 20, estimator="kalman")

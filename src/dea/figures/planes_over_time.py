@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import Normalize
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -223,7 +223,7 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: PlaneQua
     ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
     ax.set_box_aspect(1)
     trusted = values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1")))
-    _contours(ax, trusted)
+    _contours(ax, trusted, logarithmic=isinstance(shown.norm, LogNorm))
     hatch(ax, f1, f2, doubtful)
     return mesh
 
@@ -234,7 +234,7 @@ def _view(frequency: Array, excited: NDArray[np.bool_]) -> tuple[float, float]:
     return frequency[0], min(frequency[-1], _BEYOND * highest)
 
 
-def _contours(ax: Axes, trusted: xr.DataArray) -> None:
+def _contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
     """Draw contours at levels of the panel's own, since the common colour scale may be wide.
 
     A level without a place for its label is left out.
@@ -242,7 +242,7 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     low, high = float(trusted.min()), float(trusted.max())
     if not high - low > _FLAT * max(abs(low), abs(high)):
         return
-    levels = _levels(low, high)
+    levels = _levels(low, high, logarithmic=logarithmic)
     known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
     f1, f2 = known["frequency_1"].values, known["frequency_2"].values
     heights = known.transpose("frequency_2", "frequency_1").values
@@ -286,9 +286,10 @@ def _place_for_label(
     return nearest
 
 
-def _levels(low: float, high: float) -> Array:
+def _levels(low: float, high: float, *, logarithmic: bool) -> Array:
     """Return levels of contours, one alone where so many digits do not tell more of them apart."""
-    levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    spaced = np.geomspace if logarithmic and low > 0.0 else np.linspace
+    levels = spaced(low, high, _CONTOURS + 2)[1:-1]
     three = {f"{level:.{_MOST_DIGITS}g}" for level in levels}
     return levels if len(three) == levels.size else levels[levels.size // 2 :][:1]
 
