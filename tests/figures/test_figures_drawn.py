@@ -286,6 +286,14 @@ def test_levels_of_a_logarithmic_map_are_in_equal_ratios():
     np.testing.assert_allclose(np.diff(np.log(lines.levels), 2), 0.0, atol=1e-9)
 
 
+def test_white_contours_have_a_dark_edge_and_levels_a_minus_sign():
+    ax = fig4_h2_phase({"dea1": made.record(1)}, {"dea1": made.gfrf(1)}).axes[0]
+    assert all(each.get_path_effects() for each in (*contours(ax), *ax.texts))
+    written = [text.get_text() for text in ax.texts]
+    assert any(label.startswith("\N{MINUS SIGN}") for label in written)
+    assert not any("-" in label for label in written)
+
+
 @pytest.mark.parametrize("draw", [fig4_h2, fig4_h3])
 def test_a_page_of_one_system_is_wide_and_readable(draw):
     gfrf = made.gfrf(1).assign_attrs(withheld="biased " * 20, estimator="kalman")

@@ -12,6 +12,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -31,6 +32,7 @@ _CURVES = 34.0  # mm, height of the last row
 _TITLE = 10.0  # mm, above a row of maps alone
 _PALENESS = 0.3
 _CONTOURS = 3
+_STROKE = 1.3  # points, below white lines and letters, so that they are seen on yellow
 _MOST_DIGITS = 3  # of a contour's label
 _FLAT = 0.01  # of the largest value; a map that varies less gets no contours
 _BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
@@ -261,7 +263,9 @@ def _contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
         f1, f2, heights, labelled, colors="white", linewidths=0.5, linestyles="solid"
     )
     written = dict(zip(labelled, _labels(np.array(labelled)), strict=True))
-    ax.clabel(lines, fmt=written, fontsize=6, manual=places)
+    texts = ax.clabel(lines, fmt=written, fontsize=6, manual=places)
+    for each in (lines, *texts):
+        each.set_path_effects([withStroke(linewidth=_STROKE, foreground=style.GREY)])
 
 
 def _place_for_label(
@@ -297,4 +301,5 @@ def _levels(low: float, high: float, *, logarithmic: bool) -> Array:
 def _labels(levels: Array) -> list[str]:
     """Return the levels as text, with two digits or as many more as make them differ."""
     written = ([f"{level:.{digits}g}" for level in levels] for digits in count(2))
-    return next(labels for labels in written if len(set(labels)) == levels.size)
+    labels = next(labels for labels in written if len(set(labels)) == levels.size)
+    return [label.replace("-", "\N{MINUS SIGN}") for label in labels]
