@@ -66,6 +66,22 @@ def test_drawing_needs_no_window_system():
 
 
 @pytest.mark.parametrize(
+    ("reached", "limits", "said"),
+    [
+        ((-0.4842, -0.4766), (-0.4825, -0.4775), "−0.4842 to −0.4766"),
+        ((-0.48, -0.4766), (-0.48, -0.4775), "−0.48 to −0.4766"),
+        ((-1.1, 100.9), (-1.1, 3.0), "−1.1 to 1e+02"),
+    ],
+)
+def test_a_cut_axis_says_what_tells_the_ends_from_its_limits(reached, limits, said):
+    ax = style.page_figure(style.SINGLE_COLUMN, 40).subplots()
+    style.cut(ax, *limits, reached)
+    assert ax.get_ylim() == limits
+    [text] = ax.texts
+    assert text.get_text() == f"cut; reaches {said}"
+
+
+@pytest.mark.parametrize(
     ("units", "label"), [("mm", "x (mm)"), ("mm^2", "x (mm²)"), ("mm/V^2", "x (mm/V²)"), ("1", "x")]
 )
 def test_a_label_holds_the_units(units, label):

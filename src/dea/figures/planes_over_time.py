@@ -1,7 +1,6 @@
 """Frequency responses of higher order over time: maps on a plane of frequencies, and curves."""
 
 from collections.abc import Mapping, Sequence
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -262,7 +261,7 @@ def _contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
     lines = ax.contour(
         f1, f2, heights, labelled, colors="white", linewidths=0.5, linestyles="solid"
     )
-    written = dict(zip(labelled, _labels(np.array(labelled)), strict=True))
+    written = dict(zip(labelled, style.told_apart(labelled), strict=True))
     texts = ax.clabel(lines, fmt=written, fontsize=6, manual=places)
     for each in (lines, *texts):
         each.set_path_effects([withStroke(linewidth=_STROKE, foreground=style.GREY)])
@@ -296,10 +295,3 @@ def _levels(low: float, high: float, *, logarithmic: bool) -> Array:
     levels = spaced(low, high, _CONTOURS + 2)[1:-1]
     three = {f"{level:.{_MOST_DIGITS}g}" for level in levels}
     return levels if len(three) == levels.size else levels[levels.size // 2 :][:1]
-
-
-def _labels(levels: Array) -> list[str]:
-    """Return the levels as text, with two digits or as many more as make them differ."""
-    written = ([f"{level:.{digits}g}" for level in levels] for digits in count(2))
-    labels = next(labels for labels in written if len(set(labels)) == levels.size)
-    return [label.replace("-", "\N{MINUS SIGN}") for label in labels]

@@ -6,6 +6,7 @@ no global state and nothing to close.
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
+from itertools import count
 from math import floor, log10
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
@@ -143,13 +144,20 @@ def page_figure(width: float, height: float) -> Figure:
     )
 
 
+def told_apart(values: Sequence[float]) -> list[str]:
+    """Return numbers as text, with two digits or as many more as make those differ that do."""
+    written = ([f"{value:.{digits}g}" for value in values] for digits in count(2))
+    texts = next(each for each in written if len(set(each)) == len(set(values)))
+    return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
+
+
 def cut(ax: Axes, low: float, high: float, reached: tuple[float, float]) -> None:
     """Let an axis upwards go from ``low`` to ``high``, and say how far what is drawn reaches."""
     ax.set_ylim(low, high)
-    least, most = reached
+    least, most, *_ = told_apart([*reached, low, high])
     ax.annotate(
-        f"cut; reaches {least:.2g} to {most:.2g}".replace("-", "\N{MINUS SIGN}"), (1, 1), (0, 0),
-        xycoords="axes fraction", textcoords="offset points", ha="right", va="top", fontsize=6,
+        f"cut; reaches {least} to {most}", (1, 1), (0, 0), xycoords="axes fraction",
+        textcoords="offset points", ha="right", va="top", fontsize=6,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
     )  # fmt: skip
 
