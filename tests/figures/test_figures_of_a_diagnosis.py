@@ -122,6 +122,19 @@ def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
     np.testing.assert_array_equal(dotted, expected)
 
 
+@pytest.mark.parametrize(
+    ("along", "label", "title"),
+    [
+        ("input", "input (V)", ""),
+        (None, "output (mm)", "no dependence found; along the output"),
+    ],
+)
+def test_a_residual_that_depends_on_nothing_is_said_to(along, label, title):
+    said = verdict() | {"where": {"along": along}}
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[2]
+    assert (ax.get_xlabel(), ax.get_title(loc="right")) == (label, title)
+
+
 def test_a_bin_without_samples_is_left_open():
     bare = LOCALISATION.copy(deep=True)
     for what in ("rms", "null"):

@@ -185,8 +185,12 @@ def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None
 
 
 def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> None:
-    """Draw the RMS residual, before and after, along the quantity on which it depends most."""
-    along = verdict["where"]["along"] or "output"
+    """Draw the RMS residual, before and after, along the quantity on which it depends most.
+
+    Where it depends on none, that is the output.
+    """
+    found = verdict["where"]["along"]
+    along = found or "output"
     highest = 0.0
     for when, colour in (("before", style.GREY), ("after", style.VERMILION)):
         low = localisation[f"{along}_low_{when}"].values
@@ -206,6 +210,8 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         ylabel=style.quantity("RMS residual", rms.attrs["units"]),
         ylim=(0, _HEADROOM * highest),
     )
+    if not found:
+        ax.set_title(f"no dependence found; along the {called}", loc="right")
     ax.locator_params(axis="x", nbins=6)
     ax.legend(ncols=3, loc="upper center", columnspacing=0.7, handlelength=0.9)
 
