@@ -16,6 +16,7 @@ from matplotlib.text import Text
 import made_datasets as made
 from dea.errors import InputError
 from dea.figures import style
+from dea.figures.confirmation import confirmation
 from dea.figures.control import control
 from dea.figures.fig1 import fig1
 from dea.figures.fig2 import fig2
@@ -25,6 +26,7 @@ from dea.figures.fig4_h2 import fig4_h2
 from dea.figures.fig4_h2_phase import fig4_h2_phase
 from dea.figures.fig4_h3 import fig4_h3
 from dea.figures.frequency_maps import as_complex
+from dea.figures.lettering import in_lines
 from dea.figures.link import link
 from dea.figures.recovery import recovery
 from dea.figures.residual_tests import as_mathematics, residual_tests
@@ -127,6 +129,43 @@ def test_a_figure_of_all_actuators_is_readable_and_says_its_units(name, each, na
     assert_units(figure)
     assert set(names) <= set(assert_readable(figure))
     assert all(ax.has_data() or not ax.axison or ax.texts for ax in figure.axes if ax.get_visible())
+
+
+LONG = "electrode_silicone_batch_2024_sample_"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fig3", "fig4_h2", "link", "link_polled"])
+def test_a_figure_of_all_actuators_with_long_names_is_readable(name, names):
+    def each(make, **options):
+        return {LONG + name: make(seed, **options) for seed, name in enumerate(names)}
+
+    assert_readable(OF_ALL[name](each))
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda name: fig2(made.orders(1), made.validation(1), name),
+        lambda name: residual_tests(made.validation(1), name),
+        lambda name: confirmation(made.confirmation(1), name),
+    ],
+)
+def test_a_figure_of_one_actuator_with_a_long_name_is_readable(draw):
+    assert_readable(draw(f"{LONG}dea1"))
+
+
+@pytest.mark.parametrize(
+    ("name", "lines"),
+    [
+        ("dea1", "dea1"),
+        ("dea1, pump_left", "dea1\npump_left"),
+        (LONG + "dea1", "electrode_\nsilicone_batch_\n2024_sample_dea1"),
+        ("a-" + "x" * 30, "a-\n" + "x" * 15 + "…"),
+    ],
+)
+def test_a_long_name_is_broken_behind_its_parts(name, lines):
+    assert in_lines(name, 25.0) == lines
 
 
 def test_a_controller_that_was_stopped_is_said_to_be():

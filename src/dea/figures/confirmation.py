@@ -34,7 +34,7 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
         _difference(axes[1, column], part, "gain", 100.0)
         _difference(axes[2, column], part, "phase", 1.0)
         _even(axes[3, column], part)
-        axes[0, column].set_title(f"{name}, {style.moment(float(part['time']), times)}")
+        axes[0, column].set_title(style.moment(float(part["time"]), times))
         for ax in axes[:3, column]:
             ax.set_xscale("log")
             style.plain_log_ticks(ax.xaxis)
@@ -52,7 +52,7 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     even_units = found["even_measured"].attrs["units"]
     axes[3, 0].set_ylabel(style.quantity("even lines\nof the output", even_units))
     first, last = axes[0, 0].get_legend_handles_labels(), axes[3, 0].get_legend_handles_labels()
-    figure.legend(*first, loc="outside upper center", ncols=2)
+    figure.legend(*first, loc="outside upper center", ncols=2, title=name, title_fontsize=7)
     figure.legend(*last, loc="outside lower center", ncols=3, columnspacing=1.2)
     return figure
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from dea.configuration.lags import largest_lag
 from dea.figures import style
+from dea.figures.lettering import in_lines
 from dea.number_format import number
 from dea.store import Sources
 
@@ -52,7 +53,7 @@ def fig2(orders: xr.Dataset, validation: xr.Dataset, name: str) -> Figure:
     simulations.legend(handles, labels, loc="outside upper center", ncols=2)
     style.panel_letters([dynamic, polynomial, scatter], x=-22)
     style.panel_letters(rows, "D", x=-26)
-    scatter.set_title(name, loc="right")
+    scatter.set_title(in_lines(name, style.FULL_WIDTH / 5), loc="right")
     return figure
 
 

@@ -24,9 +24,11 @@ from dea.figures.frequency_maps import (
     reservations,
     veil_handle,
 )
+from dea.figures.lettering import in_lines
 from dea.store import signals
 
 _COLUMNS = 2
+_NAME = 0.35  # of the width of a column, for a name above its map
 _TIMES = (0.05, 0.5, 0.95)  # of the record, at which curves are drawn
 _PALENESS = 0.3
 _MARGIN = 0.08  # of an axis, over what its curves span
@@ -80,7 +82,7 @@ def h1_over_time(
         series = figure.add_subplot(grid[2 * row, 2 * column], sharex=panel)
         curves = figure.add_subplot(grid[2 * row : 2 * row + 2, 2 * column + 1])
         _series(series, records[name])
-        series.set_title(name)
+        series.set_title(in_lines(name, _NAME * style.FULL_WIDTH / columns))
         mesh = _map(panel, response, shown.maps[name], shown)
         style.time_axis(panel, signals(records[name]).time)
         panel.set_ylabel("frequency (Hz)")

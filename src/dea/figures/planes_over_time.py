@@ -25,6 +25,7 @@ from dea.figures.frequency_maps import (
     reservations,
     veil_handle,
 )
+from dea.figures.lettering import in_lines, told_apart
 
 _MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
 _CURVES = 34.0  # mm, height of the last row
@@ -111,7 +112,7 @@ def _several_systems(
             mesh = _panel(ax, responses[name], values.isel(time_h2=row), shown)
             ax.tick_params(labelleft=column == 0, labelbottom=row == len(times) - 1)
             axes[row, 0].set_ylabel(f"at {time}\n$f_2$ (Hz)")
-        axes[0, column].set_title(name.replace(", ", "\n"))
+        axes[0, column].set_title(in_lines(name, panel))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], name, responses[name], shown)
     labels = list(shown.curve_labels.values())
@@ -261,7 +262,7 @@ def _contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
     lines = ax.contour(
         f1, f2, heights, labelled, colors="white", linewidths=0.5, linestyles="solid"
     )
-    written = dict(zip(labelled, style.told_apart(labelled), strict=True))
+    written = dict(zip(labelled, told_apart(labelled), strict=True))
     texts = ax.clabel(lines, fmt=written, fontsize=6, manual=places)
     for each in (lines, *texts):
         each.set_path_effects([withStroke(linewidth=_STROKE, foreground=style.GREY)])

@@ -6,7 +6,6 @@ no global state and nothing to close.
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
-from itertools import count
 from math import floor, log10
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
@@ -24,6 +23,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, MultipleLocator, NullForm
 from matplotlib.typing import RcKeyType
 from numpy.typing import NDArray
 
+from dea.figures.lettering import told_apart
 from dea.provenance import current_job
 from dea.store import atomic
 
@@ -142,13 +142,6 @@ def page_figure(width: float, height: float) -> Figure:
         figsize=(width / _MM_PER_INCH, height / _MM_PER_INCH),
         layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03),
     )
-
-
-def told_apart(values: Sequence[float]) -> list[str]:
-    """Return numbers as text, with two digits or as many more as make those differ that do."""
-    written = ([f"{value:.{digits}g}" for value in values] for digits in count(2))
-    texts = next(each for each in written if len(set(each)) == len(set(values)))
-    return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
 
 
 def cut(ax: Axes, low: float, high: float, reached: tuple[float, float]) -> None:

@@ -1,0 +1,35 @@
+"""Numbers and names as they are written on figures."""
+
+import re
+from collections.abc import Sequence
+from itertools import count
+
+_PER_MM = 0.65  # letters, at the size of a title
+_PART = re.compile(r"[^_\-\s]+[_\-\s]*|[_\-\s]+")
+
+
+def told_apart(values: Sequence[float]) -> list[str]:
+    """Return numbers as text, with two digits or as many more as make those differ that do."""
+    written = ([f"{value:.{digits}g}" for value in values] for digits in count(2))
+    texts = next(each for each in written if len(set(each)) == len(set(values)))
+    return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
+
+
+def in_lines(name: str, width: float) -> str:
+    """Return a name in lines of at most ``width`` mm, broken behind its ``_``, ``-`` and spaces.
+
+    What follows a comma, as the input of a system with several, has lines of its own. A part that
+    does not fit ends with an ellipsis.
+    """
+    most = max(int(_PER_MM * width), 2)
+    return "\n".join(line for each in name.split(", ") for line in _broken(each, most))
+
+
+def _broken(name: str, most: int) -> list[str]:
+    lines = [""]
+    for part in _PART.findall(name):
+        if len(lines[-1] + part.rstrip()) > most and lines[-1]:
+            lines.append("")
+        lines[-1] += part
+    texts = [line.rstrip() for line in lines]
+    return [text if len(text) <= most else f"{text[: most - 1]}…" for text in texts]
