@@ -363,6 +363,15 @@ def test_curves_of_records_of_unequal_length_are_after_a_part_of_each():
         assert all("% of the record" in text for text in said if text.startswith("at "))
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_legend_of_maps_without_a_steady_state_fits_the_page(count):
+    responses = {f"dea{seed}": made.gfrf(seed) for seed in range(1, count + 1)}
+    for name in ("H2", "H2_gain_low", "H2_gain_high"):
+        responses["dea1"][name].values[0] = np.nan
+    said = assert_readable(fig4_h2(responses))
+    assert "the model of that time has no steady state" in said
+
+
 def test_the_legend_promises_no_band_where_none_is_drawn():
     gfrf = made.gfrf(1)
     for name in ("H2_gain_low", "H2_gain_high"):

@@ -29,6 +29,7 @@ from dea.figures.lettering import in_lines, told_apart
 
 _MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
 _CURVES = 34.0  # mm, height of the last row
+_WIDE = 150.0  # mm, from where a legend of three columns is not cut
 _TITLE = 10.0  # mm, above a row of maps alone
 _PALENESS = 0.3
 _CONTOURS = 3
@@ -80,7 +81,7 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: PlaneQuantity) 
         *missing_handles(shown.maps),
     ]
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=3,
+        handles=handles, loc="outside lower center", ncols=3 if width > _WIDE else 2,
         title=reservations(responses, width, banded=bool(shown.low)), title_fontsize=6,
     )  # fmt: skip
     return figure
