@@ -171,8 +171,16 @@ def test_a_long_name_is_broken_behind_its_parts(name, lines):
 def test_a_controller_that_was_stopped_is_said_to_be():
     figure = control(made.control(1).isel(controller=[1, 0]))
     shown = assert_readable(figure)
-    assert shown.count("stopped: it hung") == 2
+    assert shown.count("stopped: it hung") == 3
     assert "PI (stopped)" in shown
+    assert not figure.axes[2].get_yticks().size
+
+
+def test_the_legend_of_the_controllers_is_as_large_as_others():
+    figure = control(made.control(1))
+    figure.draw_without_rendering()
+    sizes = {text.get_fontsize() for text in figure.legends[0].get_texts()}
+    assert sizes == {text.get_fontsize() for text in figure.axes[0].get_legend().get_texts()}
 
 
 def test_fig1_shows_every_sample_of_the_record():

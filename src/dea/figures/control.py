@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.store import Sources
@@ -29,23 +30,33 @@ def control(dataset: xr.Dataset) -> Figure:
     voltage.plot(time[minute[1]], best["voltage"].values[minute[1]], color=style.BLACK, lw=0.7)
     voltage.set(xlabel="time (s)", ylabel=style.quantity("voltage", best["voltage"].units))
     voltage.set_xlim(time[minute[1]][0], time[-1])
+    if _say_if_stopped(voltage, best, best["voltage"].values[minute[1]]):
+        voltage.set_yticks([])
     _errors(errors, dataset)
-    first.legend(loc="upper right")
+    first.legend(loc="upper right", ncols=2)
+    figure.legend(*errors.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     style.panel_letters([first, last, voltage, errors], x=-22)
     return figure
 
 
-def _followed(ax: Axes, best: xr.Dataset, inside: np.ndarray, title: str) -> None:
+def _followed(ax: Axes, best: xr.Dataset, inside: NDArray[np.bool_], title: str) -> None:
     time, measured = best["time"].values[inside], best["measured"].values[inside]
     ax.plot(time, measured, color=style.MEASURED, lw=2.4, label="measured")
     ax.plot(time, best["reference"].values[inside], color=style.BLACK, lw=0.6, label="wanted")
-    if np.isnan(measured).all():
-        ax.text(0.5, 0.95, f"stopped: {best['outcome'].item()}", ha="center", va="top",
-                transform=ax.transAxes)  # fmt: skip
+    _say_if_stopped(ax, best, measured)
     ax.set(xlabel="time (s)", ylabel=style.quantity("displacement", best["measured"].units))
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.25)
     ax.set_title(title)
+
+
+def _say_if_stopped(ax: Axes, best: xr.Dataset, drawn: NDArray[np.float64]) -> bool:
+    """Say why nothing is ``drawn``, where that is so."""
+    stopped = bool(np.isnan(drawn).all())
+    if stopped:
+        ax.text(0.5, 0.05, f"stopped: {best['outcome'].item()}", ha="center", va="bottom",
+                transform=ax.transAxes)  # fmt: skip
+    return stopped
 
 
 def _errors(ax: Axes, dataset: xr.Dataset) -> None:
@@ -61,7 +72,3 @@ def _errors(ax: Axes, dataset: xr.Dataset) -> None:
     style.plain_log_ticks(ax.yaxis)
     ax.set_xlim(0.5, minutes.size + 0.5)
     ax.xaxis.set_major_locator(MultipleLocator(max(1, minutes.size // 6)))
-    ax.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=5, columnspacing=0.8,
-        handlelength=1.2,
-    )  # fmt: skip
