@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 
 from dea.figures import style
@@ -286,6 +287,30 @@ def test_each_of_two_laws_has_axes_of_its_own():
     assert [ax.get_xlabel() for ax in figure.axes].count(
         "input (V)"
     ) == 3  # and where it is missing
+
+
+@style.styled
+def drawn_at_its_size(figure):
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
+    return figure
+
+
+def test_the_texts_of_two_laws_stay_on_the_page_and_apart():
+    said = verdict()
+    label = "+ rate_independent_hysteresis@shoulder_motor>elbow_position"
+    said["ladder"] = [*said["ladder"][:2], [label, 0.08], said["ladder"][2]]
+    second = said["effects"][0] | {"name": "rate_independent_hysteresis", "place": "shoulder_motor"}
+    said["effects"] = [*said["effects"], second]
+    certificate = CERTIFICATE.assign(
+        {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in PARTS}
+    )
+    figure = drawn_at_its_size(discrepancy(LOCALISATION, CANDIDATES, certificate, said))
+    first, other = figure.axes[4]._left_title, figure.axes[5]._right_title
+    assert first.get_text().startswith("dead zone\n")
+    assert other.get_text().startswith("rate independent hysteresis\n")
+    boxes = [text.get_window_extent() for text in (first, other)]
+    assert figure.bbox.x0 <= boxes[0].x0 < boxes[0].x1 < boxes[1].x0
 
 
 def test_without_a_shape_each_parameter_has_its_interval_and_is_grey_where_it_may_be_zero():

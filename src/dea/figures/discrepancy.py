@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from textwrap import wrap
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,8 @@ _MOST_POINTS = 3000
 _TOLD = 3
 # Most samples of the runs that are drawn: more would look like a filled area.
 _RUN = 1000
+# Letters of a line of a label beside an axis: longer ones leave the laws too little room.
+_LABEL = 21
 # Bars that a panel has room for: at least, so that one alone is not too thick, and at most.
 _FEW, _MOST_BARS = 3, 8
 # Intervals of an axis, so that labels as long as -1500 do not overlap.
@@ -96,6 +99,8 @@ def discrepancy(
     elif shapes:
         for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
             _shape(ax, certificate, number, effect, verdict["unit"])
+            # The text of the first of two laws would leave the page on the left.
+            _tell(ax, effect, "left" if number < columns else "right")
         laws[-1].legend(**_ABOVE, fontsize=6)
     else:
         _parameters(laws[0], effects)
@@ -239,9 +244,10 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
 
 
 def _in_words(label: str) -> str:
-    """Return an effect's name in words and, on a line below, the force port of the label."""
+    """Return an effect's name in words and, below, the force port of the label, in short lines."""
     label = re.sub("@([^>+]*)>", r"\nfrom \1 to ", label.replace("_", " "))
-    return label.replace("@", "\nat ")
+    lines = label.replace("@", "\nat ").splitlines()
+    return "\n".join(short for line in lines for short in wrap(line, _LABEL))
 
 
 def _shape(
@@ -276,12 +282,16 @@ def _shape(
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
+
+
+def _tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) -> None:
+    """Write the name of a law above it, and what the record says of its parameters."""
     told = [effect["name"].replace("_", " ")]
     if change := effect.get("change"):
         told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
     else:
         told += [_estimate(name, each) for name, each in _telling(effect["parameters"])]
-    ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
+    ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)
 
 
 def _leave_room_for_law(ax: Axes, drawn: NDArray[np.float64], low: float, high: float) -> None:
@@ -305,7 +315,7 @@ def _length_in(values: xr.DataArray, units: str, wanted: str) -> xr.DataArray:
 
 def _text_height(ax: Axes) -> float:
     """Return how far the text above a law reaches, in points."""
-    lines = ax.get_title(loc="right").count("\n") + 1
+    lines = (ax.get_title(loc="left") or ax.get_title(loc="right")).count("\n") + 1
     return _LEGEND_HEIGHT + _LINE_HEIGHT * lines
 
 
