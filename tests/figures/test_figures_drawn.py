@@ -155,6 +155,17 @@ def test_a_figure_of_one_actuator_with_a_long_name_is_readable(draw):
     assert_readable(draw(f"{LONG}dea1"))
 
 
+@pytest.mark.parametrize("stretches", [1, 3, 5])
+def test_a_confirmation_of_several_stretches_is_readable(stretches):
+    found = made.confirmation(1).isel(stretch=np.arange(stretches) % 3)
+    # As the study's: from a twentieth of a Hz to twenty.
+    axis = np.geomspace(0.05, 20.0, found.sizes["frequency"])
+    found = found.assign_coords(frequency=found["frequency"].copy(data=axis))
+    figure = confirmation(found, "dea1")
+    said = assert_readable(figure)
+    assert said.count("frequency (Hz)") == (stretches if stretches <= 3 else 1)
+
+
 @pytest.mark.parametrize(
     ("name", "lines"),
     [

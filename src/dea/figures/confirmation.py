@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex
@@ -13,6 +14,7 @@ from dea.store import Sources
 _MODEL = style.BLUE
 _MEASURED = style.BLACK
 _CUT = 0.1  # of the model's gain, below which its band is not drawn, as it may reach zero
+_WIDE = 3  # stretches, up to which a column has room for all labels of its axes
 _LINEAR = 2.0  # % or degrees, up to which the axis of differences is linear
 
 
@@ -38,9 +40,12 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
         for ax in axes[:3, column]:
             ax.set_xscale("log")
             style.plain_log_ticks(ax.xaxis)
+            if count > _WIDE:
+                ax.xaxis.set_major_locator(LogLocator(subs=(1,)))
             _band_edge(ax, found)
-        axes[2, column].set_xlabel("frequency (Hz)")
-        axes[3, column].set_xlabel("frequency of the line (Hz)")
+        if count <= _WIDE or column == count // 2:
+            axes[2, column].set_xlabel("frequency (Hz)")
+            axes[3, column].set_xlabel("frequency of the line (Hz)")
     levels = [found[f"even_{kind}"].values for kind in ("measured", "predicted", "noise")]
     least = min(each[each > 0.0].min(initial=np.inf) for each in levels)
     if np.isfinite(least):
