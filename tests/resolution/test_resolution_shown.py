@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from dea.figures.resolution import resolution as figure
 from dea.store import CONTRACTS
@@ -48,6 +49,22 @@ def test_probabilities_are_drawn_over_the_seconds_driven_and_rejections_crossed(
     drawn = {tuple(line.get_xdata()) for line in crosses}
     assert {(30, 90), (90,), ()} == drawn
     assert ax.get_yscale() == "logit"
+
+
+def test_a_hypothesis_of_many_effects_fits_the_page(found):
+    many = "rate_independent_hysteresis+periodic_disturbance+viscoelastic_creep+strain_stiffening"
+    names = found["hypothesis"].copy(data=[many, "b", "another", "c"])
+    page = figure(found.assign_coords(hypothesis=names), "dea1")
+    FigureCanvasAgg(page)
+    page.draw_without_rendering()
+    texts = page.legends[0].get_texts()
+    said = [text.get_text() for text in texts]
+    assert many.replace("_", " ").replace("+", " + ") in [text.replace("\n", " ") for text in said]
+    assert {"b", "another", "rejected"} <= set(said)
+    for text in texts:
+        box = text.get_window_extent()
+        assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1, text
+        assert page.bbox.y0 <= box.y0
 
 
 def test_a_row_for_each_round_says_what_is_left(found):
