@@ -64,7 +64,7 @@ def test_fig2_plots_nmse_and_fpe_against_the_order_over_their_least(panel, kind)
     choice = fig2(orders, made.validation(1), "dea1").subfigs[0]
     ax = choice.axes[panel]
     order = orders[f"{kind}_order"].values
-    for criterion, colour in (("nmse", style.BLUE), ("fpe", style.VERMILION)):
+    for criterion, colour in (("nmse", style.NMSE), ("fpe", style.FPE)):
         values = orders[f"{kind}_{criterion}"].values
         assert_line(ax, colour, order, values / values.min())
     assert labels(ax) == (f"{kind} order", "error over the least")
@@ -90,6 +90,9 @@ def test_fig2_plots_forecasts_against_the_measurement():
     assert labels(scatter) == ("measured $y$ (mm)", r"forecast $\hat y$ (mm)")
     texts = [text.get_text() for text in scatter.get_legend().get_texts()]
     assert texts == ["linear", "NARX"]
+    assert scatter.get_box_aspect() == 1
+    assert scatter.get_xlim() == scatter.get_ylim()
+    np.testing.assert_array_equal(scatter.get_xticks(), scatter.get_yticks())
 
 
 @pytest.mark.parametrize(("row", "model", "window"), [(0, "linear", 0), (1, "narx", 0),

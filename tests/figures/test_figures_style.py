@@ -55,6 +55,11 @@ def test_styled_leaves_no_trace_and_ignores_the_users_settings():
         assert mpl.rcParams["font.size"] == 30.0
 
 
+def test_no_colour_has_two_meanings():
+    roles = ("MEASURED", "FORECAST", "FITTED", "ONE_STEP", "LINEAR", "NARX", "NMSE", "FPE")
+    assert len({getattr(style, role) for role in roles}) == len(roles)
+
+
 def test_a_page_figure_has_the_size_asked_for():
     width, height = style.page_figure(style.FULL_WIDTH, 100).get_size_inches()
     assert (width * 25.4, height * 25.4) == pytest.approx((174.0, 100.0))

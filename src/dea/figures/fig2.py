@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
@@ -65,8 +66,8 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
     """
     order = orders[f"{kind}_order"]
     for criterion, colour, look in (
-        ("nmse", style.BLUE, {"marker": "o"}),
-        ("fpe", style.VERMILION, {"marker": "s", "ms": 6, "mfc": "none", "ls": "--"}),
+        ("nmse", style.NMSE, {"marker": "o"}),
+        ("fpe", style.FPE, {"marker": "s", "ms": 6, "mfc": "none", "ls": "--"}),
     ):
         values = orders[f"{kind}_{criterion}"]
         least = float(values.values.min())
@@ -113,6 +114,9 @@ def _predicted(ax: Axes, validation: xr.Dataset) -> None:
     ends = _around(measured)
     ax.plot(ends, ends, color=style.GREY, lw=0.6, zorder=1)
     ax.set(xlim=ends, ylim=ends)
+    ax.set_box_aspect(1)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(4))
     units = measured.attrs["units"]
     ax.set_xlabel(style.quantity("measured $y$", units))
     ax.set_ylabel(style.quantity(r"forecast $\hat y$", units))

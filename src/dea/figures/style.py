@@ -48,13 +48,15 @@ GREY = "#6E6E6E"
 PALE = "#D9D9D9"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
-# The same in every figure.
+# The same in every figure, and each of one thing alone.
 MEASURED = "#A6A6A6"  # drawn wide, so that a simulation on top of it leaves its edges visible
 FORECAST = VERMILION
 FITTED = BLUE
 ONE_STEP = BLACK
-LINEAR = BLUE
-NARX = VERMILION
+LINEAR = PURPLE
+NARX = GREEN
+NMSE = SKY
+FPE = ORANGE
 
 GAIN_MAP = "viridis"
 TIME_MAP = "viridis"
