@@ -53,10 +53,14 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
     for ax in axes[-1]:
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3,
-                  title=f"{name}, {approach}\ncorrelations $\\phi$ of residual $e$ and input $u$,"
-                  " below the first row made white; $p$ of all lags together",
-                  title_fontsize=7)  # fmt: skip
+    said = (
+        f"{name}, {approach}\ncorrelations $\\phi$ of residual $e$ and input $u$,"
+        " below the first row made white; $p$ of all lags together"
+    )
+    legend = figure.legend(
+        handles, labels, loc="outside upper center", ncols=3, title=said, title_fontsize=7
+    )
+    legend.get_title().set_multialignment("center")
     return figure
 
 
