@@ -166,6 +166,7 @@ def test_the_runs_are_those_over_the_certified_block(panels):
         np.testing.assert_array_equal(drawn[name].get_xdata(), TIME[12:])
         np.testing.assert_array_equal(drawn[name].get_ydata(), values[12:])
     assert panels["runs"].get_ylabel() == "output (mm)"
+    assert drawn["measured"].get_color() == style.MEASURED
 
 
 def test_of_a_long_block_the_runs_are_those_where_it_disagrees_most():

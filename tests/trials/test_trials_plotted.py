@@ -8,6 +8,7 @@ from made_trials import FAMILY, campaign
 from matplotlib.colors import same_color
 
 from dea import trials
+from dea.figures import style
 from dea.figures.trials_confusion import trials_confusion
 from dea.figures.trials_gap import COLOURS, trials_gap
 from dea.figures.trials_risk_coverage import trials_risk_coverage
@@ -52,6 +53,7 @@ def test_the_errors_are_in_noise_floors_before_along_x_and_after_along_y(scores)
         assert len(points) == chosen.any()
         for line in points:
             assert same_color(line.get_markerfacecolor(), colour)
+            assert same_color(line.get_markeredgecolor(), style.GREY)  # pale dots are seen too
             np.testing.assert_array_equal(
                 line.get_data(),
                 [(scores[n] / floor).values[chosen] for n in ("error_before", "error_after")],

@@ -177,7 +177,7 @@ def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None
     first = max(run.start, min(worst - _RUN // 2, run.stop - _RUN))
     part = certificate.isel(time=slice(first, min(first + _RUN, run.stop)))
     time = part["time"].values
-    ax.plot(time, part["measured"], color=style.PALE, lw=2.5, label="measured")
+    ax.plot(time, part["measured"], color=style.MEASURED, lw=2.5, label="measured")
     for name, colour in _simulations(verdict):
         ax.plot(time, part[name], color=colour, lw=0.7, label=name)
     unit = certificate["measured"].attrs["units"]

@@ -42,7 +42,7 @@ def trials_gap(scores: xr.Dataset, clean: float) -> Figure:
         chosen = scores["outcome"].values == outcome
         if chosen.any():
             ax.plot(
-                before[chosen], after[chosen], "o", mfc=colour, mec="white", mew=0.3, ms=4,
+                before[chosen], after[chosen], "o", mfc=colour, mec=style.GREY, mew=0.3, ms=4,
                 label=f"{outcome} ({chosen.sum()})",
             )  # fmt: skip
     ends = np.array([0.8, 1.2 * np.max([before.max(), after.max(), 2.0])])
