@@ -591,6 +591,15 @@ def test_another_pair_with_nearly_the_error_is_a_rival_though_its_misfit_is_larg
     assert (found.status, found.answer) == ("named", single)
 
 
+@pytest.mark.parametrize("given", [True, False])
+@pytest.mark.parametrize("status", list(Status))
+def test_only_an_answer_is_whole_or_a_part(status, given):
+    chosen = object()
+    named = status in (Status.NAMED, Status.AMBIGUOUS)
+    assert Decision(status, chosen, whole=given).whole is (given if named else None)
+    assert Decision(status, None, whole=given).whole is None
+
+
 def test_the_likeliest_other_explanation_is_one_rival():
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())

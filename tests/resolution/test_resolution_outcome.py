@@ -73,14 +73,15 @@ def test_what_is_written_of_an_outcome_holds_a_name_only_where_it_stands(
         assert sentence in words
         assert ("It is a." in words) is named
     found.last.verdict.write(tmp_path / "verdict.json")
-    assert read_verdict(tmp_path / "verdict.json").names == (("a",) if named else ())
+    kept = read_verdict(tmp_path / "verdict.json")
+    assert (kept.names, kept.whole) == ((("a",), True) if named else ((), None))
 
 
 def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offered():
     settings = Settings(effects=("a", "b", "c"))
     left = knowledge({"none": 1.0})
     assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
-    left = knowledge({"none": 0.5, "a": 0.5})
+    left = knowledge({"none": 0.5, "a": 0.5}, status="none", names=(), whole=None)
     assert _offered(left, left.posterior, settings, Options()) == ("a",)
 
 

@@ -94,7 +94,7 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
 
 def _status(known: Knowledge) -> str:
     verdict = known.verdict
-    return verdict.status if verdict.whole else f"{verdict.status} in part"
+    return f"{verdict.status} in part" if verdict.whole is False else verdict.status
 
 
 def _names(known: Knowledge) -> str:

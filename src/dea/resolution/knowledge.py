@@ -95,7 +95,9 @@ class Knowledge:
         if self.withdrawn is None:
             return found
         status, sentence = WITHOUT_NAME[self.withdrawn]
-        return replace(found, status=str(status), sentence=sentence, effects=(), share=None)
+        return replace(
+            found, status=str(status), sentence=sentence, effects=(), share=None, whole=None
+        )
 
     def outcome(self, level: float) -> ResolutionOutcome:
         """Return whether all hypotheses that are left hold the verdict, or none has an effect.

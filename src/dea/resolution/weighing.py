@@ -153,7 +153,7 @@ def _offered(
     """
     left = posterior.left(options.level)
     verdict = known.verdict
-    if ANOTHER in left or verdict.status == Status.UNKNOWN or not verdict.whole:
+    if ANOTHER in left or verdict.status == Status.UNKNOWN or verdict.whole is False:
         return settings.effects
     effects = frozenset[str]().union(*(known.explanations[name].effects for name in left))
     return tuple(sorted(effects)) or settings.effects

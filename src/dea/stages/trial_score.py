@@ -90,7 +90,7 @@ def _said(
         error_before=verdict.certified["rmse_before"],
         error_after=verdict.certified["rmse_after"],
         noise_floor=verdict.noise_floor,
-        whole=verdict.whole,
+        whole=bool(verdict.whole),
         truth_error=float(np.sqrt(np.mean(wrong**2))) / trial.label()["noise_rms"],
         intervals={
             (effect.name, parameter): (estimate.low, estimate.high)

@@ -40,8 +40,9 @@ class Reason(StrEnum):
 class Decision:
     """The status, the chosen candidate and, where it is not alone, its rivals.
 
-    An answer that is not ``whole`` is a certain part of it: something else is missing, too. The
-    reason ``COLOURED`` of a whole one says what it leaves. Where samples not used so far have
+    An answer that is not ``whole`` is a certain part of it: something else is missing, too. Where
+    there is no answer, ``whole`` is ``None``, whatever is given. The reason ``COLOURED`` of a whole
+    one says what it leaves. Where samples not used so far have
     withdrawn it, ``contradicted`` holds the errors on those that did, by the name of the record.
     """
 
@@ -49,8 +50,12 @@ class Decision:
     chosen: Candidate | None
     rivals: tuple[Candidate, ...] = ()
     reason: Reason | None = None
-    whole: bool = True
+    whole: bool | None = True
     contradicted: Mapping[str, Certified] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.answer is None:
+            object.__setattr__(self, "whole", None)
 
     @property
     def answer(self) -> Candidate | None:

@@ -26,7 +26,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         "nominal" if rung.label is None else f"+ {rung.label}": rmse(rung.residual, seen)
         for rung in found.ladder.rungs
     }
-    unfinished = found.decision.status is Status.UNKNOWN or not found.decision.whole
+    unfinished = found.decision.status is Status.UNKNOWN or found.decision.whole is False
     notes = remarks(found)
     return Verdict(
         status=str(found.decision.status),

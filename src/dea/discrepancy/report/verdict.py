@@ -89,7 +89,8 @@ class Verdict:
     Parameters
     ----------
     whole
-        Whether the named effects are all of the answer, or a certain part of it.
+        Whether the named effects are all of the answer, or a certain part of it; ``None`` where no
+        effect is named.
     share
         Part of the misfit that they remove on held-out blocks: its value, low and high.
     presence
@@ -113,7 +114,7 @@ class Verdict:
     ladder: dict[str, float] = field(default_factory=dict)
     equation: str | None = None
     not_identifiable: tuple[str, ...] = ()
-    whole: bool = True
+    whole: bool | None = True
     share: dict[str, float] | None = None
     presence: dict[str, dict[str, float]] = field(default_factory=dict)
     model_error: dict[str, float] = field(default_factory=dict)
