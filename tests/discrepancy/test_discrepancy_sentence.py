@@ -15,7 +15,12 @@ from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.report.remarks import remarks
-from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
+from dea.discrepancy.report.sentence import (
+    equation_sentence,
+    label_in_words,
+    rivals_told,
+    verdict_sentence,
+)
 from dea.discrepancy.report.verdict import Change, Estimate, NamedEffect
 from dea.discrepancy.rules import Rules
 from dea.simulation import Input, Parameter, catalogue
@@ -196,12 +201,26 @@ def test_a_law_is_too_poor_where_more_remains_than_of_a_complete_simulation(
 
 def test_a_rival_of_the_class_that_would_do_as_well_is_told():
     rivals = [("input_saturation",), ("sensor_lag", "end_stop@left")]
-    text = sentence(found(Status.NAMED, "dead_zone", rivals=rivals))
+    present = {"input_saturation": 0.1, "sensor_lag": 1.0, "end_stop@left": 0.2}
+    text = sentence(found(Status.NAMED, "dead_zone", rivals=rivals, effects=present))
     doubt = (
         "In this record input_saturation or sensor_lag+end_stop at left of its class would do as "
         "well."
     )
     assert text == f"{REMOVES}: {PROOF}. {doubt} Without it, {NEAR}."
+
+
+def test_a_rival_that_the_evidence_excludes_is_not_said_to_do_as_well():
+    """Of two effects one may be excluded; of an ambiguous answer no rival is."""
+    rivals, present = (
+        [("input_saturation", "end_stop")],
+        {"end_stop": 1.0, "input_saturation": 0.09},
+    )
+    sure = found(Status.NAMED, "dead_zone", rivals=rivals, effects=present)
+    assert sentence(sure) == f"{REMOVES}: {PROOF}. Without it, {NEAR}."
+    assert rivals_told(sure) == []
+    unsure = found(Status.AMBIGUOUS, "dead_zone", rivals=rivals, effects=present)
+    assert f"It is {ZONE}, or input_saturation+end_stop: " in sentence(unsure)
 
 
 @pytest.mark.parametrize(

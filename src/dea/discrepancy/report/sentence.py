@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
     from dea.discrepancy.report.verdict import NamedEffect
+    from dea.discrepancy.search.candidates import Candidate
 
 # The bin of each quantity that the residual is concentrated in.
 _PHRASES: Mapping[str, str] = {
@@ -195,9 +196,21 @@ def label_in_words(label: str) -> str:
     return f"`{name}` at {equation}" if equation else f"`{name}`"
 
 
+def rivals_told(found: "Diagnosis") -> list["Candidate"]:
+    """Return the rivals, of a name without those that the evidence excludes.
+
+    Those do as well on blocks left out, of which there may be few.
+    """
+    decision, present = found.decision, found.presence.effects
+    if decision.status is not Status.NAMED:
+        return list(decision.rivals)
+    least = 1.0 - found.rules.certain
+    return [c for c in decision.rivals if min(present.get(name, 0.0) for name in c.names) >= least]
+
+
 def rivals_in_words(found: "Diagnosis") -> list[str]:
     """Return each rival's effects, joined."""
-    return ["+".join(rival.names).replace("@", " at ") for rival in found.decision.rivals]
+    return ["+".join(rival.names).replace("@", " at ") for rival in rivals_told(found)]
 
 
 def _main(effect: "NamedEffect") -> str:

@@ -8,7 +8,7 @@ from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates
 from dea.discrepancy.report.remarks import remarks
-from dea.discrepancy.report.sentence import verdict_sentence, where_sentence
+from dea.discrepancy.report.sentence import rivals_told, verdict_sentence, where_sentence
 from dea.discrepancy.report.verdict import Change, NamedEffect, Verdict
 from dea.discrepancy.rules import misfit
 from dea.simulation import Family, Port, law_courses
@@ -70,7 +70,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
 
 def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
     extended = found.extended.extended
-    rivals = tuple(rival.names for rival in found.decision.rivals)
+    rivals = tuple(rival.names for rival in rivals_told(found))
     result = []
     for index, (attached, part, part_removed) in enumerate(
         zip(extended.attached, found.ladder.contributions, _shares(found), strict=True)
