@@ -275,6 +275,26 @@ def test_nothing_is_missing_for_a_reason(reason):
 
 
 @pytest.mark.parametrize(
+    ("error", "accuracy", "large"),
+    [(0.0151, 0.0, True), (0.0149, 0.0, False), (0.0151, 0.01, False)],
+)
+def test_coloured_noise_that_is_large_is_told_first(error, accuracy, large):
+    """Then something may well be missing that looks like noise."""
+    text = sentence(
+        found(Status.NONE, reason=Reason.COLOURED, block=(error, error), accuracy=accuracy)
+    )
+    numbers = f"(error {error:.3g} mm, {NOISE})."
+    if large:
+        assert text == (
+            f"Nothing is named, but 1.5 noise floors remain: {Reason.COLOURED}, nor anything else "
+            f"that was tested {numbers}"
+        )
+    else:
+        assert text.startswith("Nothing is missing that this record could show: ")
+        assert text.endswith(f"{Reason.COLOURED} {numbers}")
+
+
+@pytest.mark.parametrize(
     "reason",
     [
         Reason.UNEXPLAINED,
@@ -527,7 +547,8 @@ def test_no_sentence_says_that_nothing_and_that_something_is_missing(status, rea
             found(status, *names, reason=reason, whole=whole, rivals=rivals, block=(0.2, 0.05),
                   left=0.03, effects={"dead_zone": 0.95}, families={"lag": 0.7})
         )  # fmt: skip
-        nothing, something = "Nothing is missing" in text, "Something is missing" in text
+        nothing = "Nothing is missing" in text or "Nothing is named" in text
+        something = "Something is missing" in text
         part, rival = "part of the answer" in text, ", or sensor_lag" in text
         full = "removes" in text and not part
         assert nothing + something + part + rival + full == 1

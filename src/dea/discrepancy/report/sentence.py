@@ -72,6 +72,13 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     place = f"near the simulation's priors {where_sentence(found.where.before)}"
     noise = f"noise floor {noise_floor:.3g} {unit}"
     if decision.status is Status.NONE:
+        most = found.rules.noise_like * found.floor
+        if decision.reason is Reason.COLOURED and block.before > most:
+            return (
+                f"Nothing is named, but {block.before / noise_floor:.2g} noise floors remain: "
+                f"{decision.reason}, nor anything else that was tested "
+                f"(error {block.before:.3g} {unit}, {noise})."
+            )
         return (
             f"Nothing is missing that this record could show: {decision.reason} "
             f"(error {block.before:.3g} {unit}, {noise})."
