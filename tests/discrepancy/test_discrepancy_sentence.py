@@ -69,7 +69,7 @@ def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
-    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3,
+    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.0115,
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -95,6 +95,7 @@ def found(
         problem=SimpleNamespace(
             recorded_interval=0.02,
             seen=np.ones(4, bool),
+            seen_rmse=lambda residual: seen,
             known=np.ones(residual.size, bool),
             decimation=decimation,
         ),
@@ -369,6 +370,15 @@ def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
     assert text == (
         "Something is missing, but only the certified samples show it: the simulation alone has an "
         f"error of 0.2 mm, {NOISE}. N{NEAR[1:]}."
+    )
+
+
+def test_what_was_taken_for_noise_is_not_said_to_show_nothing():
+    diagnosis = found(Status.UNKNOWN, reason=Reason.ONLY_CERTIFIED, seen=0.0116, equation=EQUATION)
+    assert sentence(diagnosis) == (
+        "Something is missing: on the certified samples the simulation alone has an error of "
+        f"0.2 mm, {NOISE}. On the others its error of 0.0116 mm, 1.2 noise floors, was taken for "
+        f"noise. N{NEAR[1:]}."
     )
 
 

@@ -85,7 +85,16 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         )
     if decision.status is Status.UNKNOWN:
         hints = "", ""
-        if decision.reason is not Reason.ONLY_CERTIFIED:
+        if decision.reason is Reason.ONLY_CERTIFIED:
+            elsewhere = found.problem.seen_rmse(found.nominal.residual)
+            if elsewhere > found.rules.clean * found.floor:
+                return (
+                    "Something is missing: on the certified samples the simulation alone has an "
+                    f"error of {block.before:.3g} {unit}, {noise}. On the others its error of "
+                    f"{elsewhere:.3g} {unit}, {elsewhere / noise_floor:.2g} noise floors, was "
+                    f"taken for noise. {place[0].upper()}{place[1:]}."
+                )
+        else:
             # Both come from the other samples, which do not show what is missing.
             hints = _nearest(found), equation_sentence(unexplained)
         return (
