@@ -31,6 +31,7 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
         shapes=np.array([p.shape for p in parameters]),
         at_start=np.array([p.at_start for p in parameters]),
         frame_of=lambda attached: None,
+        bounds=(np.full(5, -10.0), np.full(5, 10.0)),
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
     fit = SimpleNamespace(extended=extended, coordinates=coordinates, values=values)
@@ -54,6 +55,7 @@ def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
         shapes=np.zeros(3, bool),
         at_start=np.zeros(3, bool),
         frame_of=lambda attached: (Normalisation(rest=10.0, scale=-2.0), "mm"),
+        bounds=(np.full(3, -3.0), np.array([2.0, 3.0, 3.0])),
     )
     values, deviation = np.array([0.6, 0.25, 6.0]), np.array([0.5, 0.1, 2.0])
     fit = SimpleNamespace(
@@ -62,8 +64,12 @@ def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
     found = estimates(fit, 0, deviation)
     assert list(found) == ["stop", "radius", "stiffness"]
     assert asdict(found["stop"]) == pytest.approx(
-        {"value": 8.8, "unit": "mm", "low": 8.604, "high": 8.996, "prior": 9.2, "origin": 10.0}
-    )
+        {
+            "value": 8.8, "unit": "mm", "low": 8.604, "high": 8.996, "prior": 9.2, "origin": 10.0,
+            "at_bound": True,
+        }
+    )  # fmt: skip
+    assert not found["radius"].at_bound
     assert found["radius"].value == pytest.approx(-0.5)
     assert found["radius"].low == pytest.approx(-0.5 * np.exp(0.196))
     assert (found["radius"].unit, found["radius"].prior) == ("mm", -1.0)

@@ -342,6 +342,14 @@ def test_a_drift_is_told_by_its_ends():
     assert verdict_sentence(diagnosis, [drift]).startswith(told)
 
 
+def test_a_parameter_at_its_bound_has_no_interval():
+    diagnosis = found(Status.NAMED, "dead_zone")
+    effect = named()
+    wide = {"threshold": replace(effect.parameters["threshold"], at_bound=True)}
+    told = "`dead_zone` (threshold 0.4 V at its bound) removes"
+    assert verdict_sentence(diagnosis, [replace(effect, parameters=wide)]).startswith(told)
+
+
 def test_what_withdrew_an_answer_is_told():
     withdrawn = found(Status.UNKNOWN, reason=Reason.CONTRADICTED_ELSEWHERE, share=None)
     withdrawn.decision = Decision(

@@ -1,11 +1,12 @@
 """Estimates of an effect's parameters, with intervals."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.steepness import INTERVAL, shortened
 from dea.discrepancy.report.verdict import Estimate
@@ -53,6 +54,7 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
     values = fit.values
     frame = extended.frame_of(extended.attached[index])
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
+    bound = at_bounds(extended, fit.coordinates)
     found = []
     for position in own:
         i = extended.free[position]
@@ -63,9 +65,10 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         ]
         value = float(values[i])
         usual = parameter.value(0.0)
-        estimate = _in_own_unit(
-            Estimate(value, parameter.unit, min(ends), max(ends), usual), parameter, frame
+        estimate = Estimate(
+            value, parameter.unit, min(ends), max(ends), usual, at_bound=bool(bound[position])
         )
+        estimate = _in_own_unit(estimate, parameter, frame)
         size = max(abs(value), abs(value - usual), np.finfo(float).tiny)
         unsure = (max(ends) - min(ends)) / size
         aside = extended.shapes[position] or extended.at_start[position]
@@ -86,4 +89,12 @@ def _in_own_unit(
         origin + own.scale * each
         for each in (estimate.value, estimate.low, estimate.high, estimate.prior)
     )
-    return Estimate(value, unit, min(low, high), max(low, high), prior, origin)
+    return replace(
+        estimate,
+        value=value,
+        unit=unit,
+        low=min(low, high),
+        high=max(low, high),
+        prior=prior,
+        origin=origin,
+    )

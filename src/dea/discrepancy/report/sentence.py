@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
     from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
-    from dea.discrepancy.report.verdict import NamedEffect
+    from dea.discrepancy.report.verdict import Estimate, NamedEffect
     from dea.discrepancy.search.candidates import Candidate
 
 # The bin of each quantity that the residual is concentrated in.
@@ -242,8 +242,12 @@ def _main(effect: "NamedEffect") -> str:
         )
     first = list(effect.parameters.items())[:2]
     told = [(name, e) for name, e in first if not e.says_little]
-    return ", ".join(
-        f"{name.replace('_', ' ')} {e.value:.3g} ± {0.5 * (e.high - e.low):.2g}"
-        + (f" {e.unit}" if e.unit != "1" else "")
-        for name, e in (told or first)
-    )
+    return ", ".join(f"{name.replace('_', ' ')} {_quoted(e)}" for name, e in (told or first))
+
+
+def _quoted(estimate: "Estimate") -> str:
+    """Return an estimate with half of its interval, and of one at its bound that it is there."""
+    value, unit = f"{estimate.value:.3g}", "" if estimate.unit == "1" else f" {estimate.unit}"
+    if estimate.at_bound:
+        return f"{value}{unit} at its bound"
+    return f"{value} ± {0.5 * (estimate.high - estimate.low):.2g}{unit}"

@@ -17,7 +17,8 @@ _JOINED = "+"
 class Estimate:
     """A parameter's value, unit, 95 % interval, and its prior mean.
 
-    ``origin`` is what its size counts from: of a place, where the motion rests.
+    ``origin`` is what its size counts from: of a place, where the motion rests. Of a value that is
+    ``at_bound`` the interval says little: the record may ask for one beyond it.
     """
 
     value: float
@@ -26,6 +27,7 @@ class Estimate:
     high: float
     prior: float
     origin: float = 0.0
+    at_bound: bool = False
 
     @property
     def says_little(self) -> bool:
