@@ -9,37 +9,63 @@ from scipy.optimize import brentq
 
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.report.estimates import estimates, uncertainty
+from dea.discrepancy.report.estimates import estimates, quoted, uncertainty
 from dea.discrepancy.report.steepness import shortened
-from dea.simulation import Normalisation, Parameter
+from dea.simulation import Attached, Normalisation, Parameter, catalogue
+from dea.simulation.page import REFERENCE
 
 
-def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
-    """And those that do not define the law after both."""
-    parameters = (
-        Parameter("even", "1", 0.0, 1.0),
-        Parameter("cubic", "1", 0.0, 2.0),
-        Parameter("width", "1", 1.0, 1.0, shape=True),
-        Parameter("time", "s", 1.0, 1.0, log=True),
-        Parameter("begun", "1", 1.0, 1.0, at_start=True),
-    )
-    coordinates = np.array([0.002, 0.15, 2.0, np.log(3.0), 4.0])
+def law_of(parameters, coordinates, defining="", frame=None, high=10.0):
+    """A fit of a law with these parameters, and the law as it is attached."""
+    attached = SimpleNamespace(parameters=parameters, effect=SimpleNamespace(defining=defining))
     extended = SimpleNamespace(
-        effect_slices=[slice(0, 5)],
-        attached=[SimpleNamespace(parameters=parameters)],
-        free=np.arange(5),
-        shapes=np.array([p.shape for p in parameters]),
+        effect_slices=[slice(0, len(parameters))],
+        attached=[attached],
+        free=np.arange(len(parameters)),
         at_start=np.array([p.at_start for p in parameters]),
-        frame_of=lambda attached: None,
-        bounds=(np.full(5, -10.0), np.full(5, 10.0)),
+        frame_of=lambda attached: frame,
+        bounds=(np.full(len(parameters), -10.0), np.full(len(parameters), high)),
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
-    fit = SimpleNamespace(extended=extended, coordinates=coordinates, values=values)
-    found = estimates(fit, 0, np.array([0.013, 0.02, 1e-4, 0.05, 1e-5]))
-    assert list(found) == ["time", "cubic", "even", "begun", "width"]
-    assert found["cubic"].value == pytest.approx(0.3)
-    assert found["cubic"].low == pytest.approx(0.3 - 1.96 * 0.04)
-    assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))
+    return SimpleNamespace(extended=extended, coordinates=coordinates, values=values), attached
+
+
+PARAMETERS = (
+    Parameter("even", "1", 0.0, 1.0),
+    Parameter("cubic", "1", 0.0, 2.0),
+    Parameter("ratio", "1", 1.0, 1.0, log=True, shape=True),
+    Parameter("time", "s", 1.0, 1.0, log=True),
+    Parameter("begun", "1", 1.0, 1.0, at_start=True),
+)
+COORDINATES = np.array([0.002, -0.15, 1.0, np.log(3.0), 4.0])
+DEVIATION = np.array([0.013, 0.02, 0.05, 1.0, 1e-5])
+
+
+def test_the_defining_parameter_comes_first_then_what_moved_furthest():
+    """Whatever its unit, and whether it only shapes the law; a start comes last."""
+    fit, attached = law_of(PARAMETERS, COORDINATES, "time")
+    found = estimates(fit, 0, DEVIATION)
+    assert list(found) == ["time", "ratio", "cubic", "even", "begun"]
+    assert found["cubic"].value == pytest.approx(-0.3)
+    assert found["cubic"].low == pytest.approx(-0.3 - 1.96 * 0.04)
+    assert found["cubic"].moved == pytest.approx(7.5)
+    assert found["ratio"].high == pytest.approx(np.exp(1.0 + 1.96 * 0.05))
+    assert quoted(attached, found) == ("time", "ratio", "cubic")
+
+
+def test_of_parameters_that_may_be_as_expected_one_is_quoted():
+    fit, attached = law_of(PARAMETERS, 0.001 * COORDINATES)
+    found = estimates(fit, 0, np.append(DEVIATION[:4], 1.0))
+    assert quoted(attached, found) == ("ratio",)
+
+
+def test_of_an_event_the_instant_is_quoted():
+    fit, _ = law_of(
+        catalogue()["step_fault"].parameters(REFERENCE), np.array([0.1, 4.0, 0, 0, 0.1])
+    )
+    attached = Attached(catalogue()["step_fault"], REFERENCE)
+    fit.extended.attached[0] = attached
+    assert quoted(attached, estimates(fit, 0, np.ones(5))) == ("instant", "gain_step")
 
 
 def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
@@ -48,25 +74,13 @@ def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
         Parameter("radius", "1", 0.5, 1.0, log=True, motion="length"),
         Parameter("stiffness", "1", 5.0, 1.0),
     )
-    extended = SimpleNamespace(
-        effect_slices=[slice(0, 3)],
-        attached=[SimpleNamespace(parameters=parameters)],
-        free=np.arange(3),
-        shapes=np.zeros(3, bool),
-        at_start=np.zeros(3, bool),
-        frame_of=lambda attached: (Normalisation(rest=10.0, scale=-2.0), "mm"),
-        bounds=(np.full(3, -3.0), np.array([2.0, 3.0, 3.0])),
-    )
-    values, deviation = np.array([0.6, 0.25, 6.0]), np.array([0.5, 0.1, 2.0])
-    fit = SimpleNamespace(
-        extended=extended, coordinates=np.array([2.0, -np.log(2.0), 1.0]), values=values
-    )
-    found = estimates(fit, 0, deviation)
-    assert list(found) == ["stop", "radius", "stiffness"]
+    frame = Normalisation(rest=10.0, scale=-2.0), "mm"
+    fit, _ = law_of(parameters, np.array([2.0, -np.log(2.0), 1.0]), frame=frame, high=2.0)
+    found = estimates(fit, 0, np.array([0.5, 0.1, 2.0]))
     assert asdict(found["stop"]) == pytest.approx(
         {
             "value": 8.8, "unit": "mm", "low": 8.604, "high": 8.996, "prior": 9.2, "origin": 10.0,
-            "at_bound": True,
+            "at_bound": True, "moved": 4.0,
         }
     )  # fmt: skip
     assert not found["radius"].at_bound
@@ -74,10 +88,6 @@ def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
     assert found["radius"].low == pytest.approx(-0.5 * np.exp(0.196))
     assert (found["radius"].unit, found["radius"].prior) == ("mm", -1.0)
     assert (found["stiffness"].unit, found["stiffness"].origin) == ("1", 0.0)
-    # It is as far from the rest as its interval is wide.
-    wide = replace(found["stop"], low=8.25, high=9.4)
-    assert not wide.says_little
-    assert replace(wide, low=8.1, high=9.4).says_little
 
 
 def as_problem(samples, residual):

@@ -115,20 +115,7 @@ def found(
 def named(name="dead_zone", unit="V"):
     width, slope = Estimate(0.4, unit, 0.3, 0.5, 0.4), Estimate(0.01, "1", -0.01, 0.03, 0.0)
     told = {"slope": slope, "threshold": width}
-    return NamedEffect(name, "", "", told, 0.2, 0.1, (0.7, 0.6, 0.8))
-
-
-@pytest.mark.parametrize(
-    ("estimate", "little"),
-    [
-        (Estimate(0.4, "V", 0.3, 0.5, 0.35), False),  # sure, and as expected
-        (Estimate(0.0, "V", -0.01, 0.01, -3.0), False),  # surely not where it is expected
-        (Estimate(0.01, "1", -0.01, 0.03, 0.0), True),
-        (Estimate(5.0, "1", 2.0, 11.0, 5.0), True),
-    ],
-)
-def test_what_the_record_hardly_tells_is_not_quoted(estimate, little):
-    assert estimate.says_little is little
+    return NamedEffect(name, "", "", told, 0.2, 0.1, (0.7, 0.6, 0.8), quoted=("threshold",))
 
 
 def sentence(diagnosis):
@@ -340,6 +327,13 @@ def test_a_drift_is_told_by_its_ends():
     drift = replace(drift, change=Change("change of the reading", "mm", 0.0, -0.3))
     told = "`gain_drift` (change of the reading 0 mm at the start and -0.3 mm at the end) removes"
     assert verdict_sentence(diagnosis, [drift]).startswith(told)
+
+
+def test_a_sentence_has_room_for_two_parameters():
+    diagnosis = found(Status.NAMED, "dead_zone")
+    told = "`dead_zone` (threshold 0.4 ± 0.1 V, slope 0.01 ± 0.02) removes"
+    many = replace(named(), quoted=("threshold", "slope", "threshold"))
+    assert verdict_sentence(diagnosis, [many]).startswith(told)
 
 
 def test_a_parameter_at_its_bound_has_no_interval():

@@ -58,6 +58,7 @@ def test_the_catalogue_holds_the_effects_of_four_ports():
 @pytest.mark.parametrize("effect", catalogue().values(), ids=lambda e: e.name)
 def test_an_effect_is_complete(effect):
     parameters = effect.parameters(SCALES)
+    assert effect.defining in {"", *(p.name for p in parameters if p.spread > 0)}
     assert len({p.name for p in parameters}) == len(parameters)
     assert any(p.spread > 0 for p in parameters)
     assert all(p.low <= p.nominal <= p.high for p in parameters)

@@ -52,8 +52,9 @@ a positive parameter. The last column tells what a fit does with the parameter:
 * known: no fit changes it, except that a ratio of one side to the other is fitted where the input
   has both signs, and that of falling to rising where it has one.
 
-A law whose *essential* parameter is at its lower bound is no longer the effect; where it fits as
-well there, the effect is not named.
+The *defining* parameter of a law is the one that a verdict tells first. A law whose *essential*
+parameter is at its lower bound is no longer the effect; where it fits as well there, the effect is
+not named.
 
 The second table of each law is of the points from which it is fitted. A parameter that is not in it
 starts from its prior.
@@ -77,6 +78,8 @@ def _section(effect: Effect) -> Iterator[str]:
     yield f"Symptom: {effect.symptom}.\n"
     yield f"Port: {effect.port}. Family: {effect.family}.\n"
     yield f"Law: {effect.citation}.\n"
+    if effect.defining:
+        yield f"Defining: `{effect.defining}`.\n"
     if effect.essential:
         yield f"Essential: `{effect.essential}`.\n"
     yield "| parameter | unit | prior | spread | low | high | fit |"

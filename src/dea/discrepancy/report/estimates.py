@@ -1,5 +1,6 @@
 """Estimates of an effect's parameters, with intervals."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.steepness import INTERVAL, shortened
 from dea.discrepancy.report.verdict import Estimate
-from dea.simulation import Normalisation, Parameter
+from dea.simulation import Attached, Normalisation, Parameter
 
 
 class Uncertainty(NamedTuple):
@@ -42,15 +43,16 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
-    Of those that say something, those with a unit come first, and the best determined, as shares of
-    their values or of their distances from the prior mean. Those that only shape the law, or say in
-    which state a record finds it, come last. Places and lengths of the motion at a force port are
+    The one that defines the effect comes first, then those that moved furthest from their prior
+    means, in their own standard errors; those that say in which state a record finds it come last.
+    Places and lengths of the motion at a force port are
     in the unit of its position, all else of such a law in those of the port. ``deviation`` (k,) is
     the standard deviation of all coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
+    defining = extended.attached[index].effect.defining
     values = fit.values
     frame = extended.frame_of(extended.attached[index])
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
@@ -65,16 +67,36 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         ]
         value = float(values[i])
         usual = parameter.value(0.0)
+        moved = abs(float(fit.coordinates[position] / deviation[position]))
         estimate = Estimate(
-            value, parameter.unit, min(ends), max(ends), usual, at_bound=bool(bound[position])
+            value,
+            parameter.unit,
+            min(ends),
+            max(ends),
+            usual,
+            at_bound=bool(bound[position]),
+            moved=moved,
         )
-        estimate = _in_own_unit(estimate, parameter, frame)
-        size = max(abs(value), abs(value - usual), np.finfo(float).tiny)
-        unsure = (max(ends) - min(ends)) / size
-        aside = extended.shapes[position] or extended.at_start[position]
-        turn = (aside, estimate.says_little, estimate.unit == "1", unsure)
-        found.append((turn, parameter.name, estimate))
+        turn = (parameter.name != defining, bool(extended.at_start[position]), -moved)
+        found.append((turn, parameter.name, _in_own_unit(estimate, parameter, frame)))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
+
+
+def quoted(attached: Attached, found: Mapping[str, Estimate]) -> tuple[str, ...]:
+    """Return the parameters that tell what an effect is, in the order of the estimates ``found``.
+
+    These are the one that defines it, of an event its instant, and those whose intervals exclude
+    what was expected; the first one of all where there is none. Where a record finds the device is
+    no part of it.
+    """
+    states = {each.name for each in attached.parameters if each.at_start}
+    defining = attached.effect.defining
+    told = (
+        name
+        for name, each in found.items()
+        if name == defining or (each.moved > INTERVAL and name not in states)
+    )
+    return tuple(told) or tuple(found)[:1]
 
 
 def _in_own_unit(

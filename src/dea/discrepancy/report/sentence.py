@@ -30,6 +30,8 @@ _LEAST_SHARE = 1.0
 # Part of the gap that the best explanation may leave for its effect to be spoken of: one that
 # removes little is no hint. The value was chosen.
 _LEFT = 0.8
+# Parameters of an effect that a sentence has room for.
+_QUOTED = 2
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -230,7 +232,7 @@ def rivals_in_words(found: "Diagnosis") -> list[str]:
 
 
 def _main(effect: "NamedEffect") -> str:
-    """Say the two parameters that the record determines best, but none that says little.
+    """Say the parameters that tell most of an effect.
 
     Of a drift say where it begins and ends: its parameters are pieces of its course.
     """
@@ -240,9 +242,8 @@ def _main(effect: "NamedEffect") -> str:
             f"{change.name} {change.start:.3g}{unit} at the start and {change.end:.3g}{unit} at "
             "the end"
         )
-    first = list(effect.parameters.items())[:2]
-    told = [(name, e) for name, e in first if not e.says_little]
-    return ", ".join(f"{name.replace('_', ' ')} {_quoted(e)}" for name, e in (told or first))
+    told = ((name, effect.parameters[name]) for name in effect.quoted[:_QUOTED])
+    return ", ".join(f"{name.replace('_', ' ')} {_quoted(each)}" for name, each in told)
 
 
 def _quoted(estimate: "Estimate") -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
-from dea.discrepancy.report.estimates import estimates
+from dea.discrepancy.report.estimates import estimates, quoted
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import rivals_told, verdict_sentence, where_sentence
 from dea.discrepancy.report.verdict import Change, NamedEffect, Verdict
@@ -76,12 +76,13 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
         zip(extended.attached, found.ladder.contributions, _shares(found), strict=True)
     ):
         place = extended.force_port_of(attached) or extended.input_of(attached)
+        parameters = estimates(found.final, index, found.uncertainty.deviation)
         result.append(
             NamedEffect(
                 name=attached.effect.name,
                 port=str(attached.effect.port),
                 family=str(attached.effect.family),
-                parameters=estimates(found.final, index, found.uncertainty.deviation),
+                parameters=parameters,
                 error_before=part.before,
                 error_after=part.after,
                 gain=(part.gain, part.low, part.high),
@@ -90,6 +91,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 place=place.name if place else None,
                 share=part_removed,
                 change=_change(found, index),
+                quoted=quoted(attached, parameters),
             )
         )
     return tuple(result)

@@ -18,7 +18,8 @@ class Estimate:
     """A parameter's value, unit, 95 % interval, and its prior mean.
 
     ``origin`` is what its size counts from: of a place, where the motion rests. Of a value that is
-    ``at_bound`` the interval says little: the record may ask for one beyond it.
+    ``at_bound`` the interval says little: the record may ask for one beyond it. By ``moved``
+    standard errors it is away from its prior mean.
     """
 
     value: float
@@ -28,12 +29,7 @@ class Estimate:
     prior: float
     origin: float = 0.0
     at_bound: bool = False
-
-    @property
-    def says_little(self) -> bool:
-        """Whether its interval is wider than its value, and holds what is expected without it."""
-        wide = self.high - self.low > abs(self.value - self.origin)
-        return self.low <= self.prior <= self.high and wide
+    moved: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -68,6 +64,8 @@ class NamedEffect:
         fitted without those named after it.
     change
         Of a drift of one record, what drifts, and its course in two numbers.
+    quoted
+        The parameters that tell what it is, the most telling first.
     """
 
     name: str
@@ -82,6 +80,7 @@ class NamedEffect:
     presence: float = 1.0
     share: float | None = None
     change: Change | None = None
+    quoted: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -164,6 +163,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
                     "gain": tuple(effect["gain"]),
                     "change": Change(**effect["change"]) if effect.get("change") else None,
+                    "quoted": tuple(effect.get("quoted", ())),
                     "rivals": tuple(tuple(rival.split(_JOINED)) for rival in effect["rivals"]),
                 }
             )

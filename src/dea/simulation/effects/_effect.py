@@ -75,6 +75,9 @@ class Effect:
         How many times finer than the simulation alone the law needs its steps.
     essential
         The parameter at whose lower bound the law is no longer this effect.
+    defining
+        The parameter that is told first of all: the size of the effect, its time or its place. None
+        where several say it together, as those of a curve, or any of several does, as of two stops.
     """
 
     name: str
@@ -95,6 +98,7 @@ class Effect:
     remembers_motion: bool = False
     refine: int = 1
     essential: str = ""
+    defining: str = ""
 
     def at_limit(self) -> "Effect":
         """Return the law whose essential parameter, if there is one, is known to be at its bound.

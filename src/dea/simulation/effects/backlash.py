@@ -76,4 +76,5 @@ EFFECT = Effect(
     starts=starts,
     shape_output=law,
     remembers_motion=True,
+    defining="gap",
 )

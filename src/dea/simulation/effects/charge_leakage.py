@@ -76,4 +76,5 @@ EFFECT = Effect(
     shape_input=law,
     # At its shortest time the input's curve is bent, and no charge leaks.
     essential="time_constant",
+    defining="loss",
 )

@@ -121,4 +121,5 @@ EFFECT = Effect(
     needs_position=False,
     remembers_motion=True,
     refine=2,
+    defining="force",
 )

@@ -95,4 +95,5 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     remembers_motion=True,
+    defining="softening",
 )

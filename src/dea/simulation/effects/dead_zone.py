@@ -85,4 +85,5 @@ EFFECT = Effect(
     starts=starts,
     shape_input=law,
     essential="threshold",
+    defining="threshold",
 )

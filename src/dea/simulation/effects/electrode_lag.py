@@ -101,4 +101,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    defining="time_constant",
 )

@@ -78,4 +78,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    defining="limit",
 )

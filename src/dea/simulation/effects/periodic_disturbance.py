@@ -104,4 +104,5 @@ EFFECT = Effect(
     starts=starts,
     shape_output=law,
     transferable=False,
+    defining="frequency",
 )

@@ -105,4 +105,5 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     remembers_motion=True,
+    defining="stiffness",
 )

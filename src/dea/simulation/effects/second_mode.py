@@ -133,4 +133,5 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     refine=2,
+    defining="frequency",
 )

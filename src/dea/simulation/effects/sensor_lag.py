@@ -114,4 +114,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_output=law,
+    defining="time_constant",
 )

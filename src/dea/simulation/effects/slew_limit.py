@@ -60,4 +60,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    defining="rate",
 )

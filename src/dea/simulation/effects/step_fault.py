@@ -66,4 +66,5 @@ EFFECT = Effect(
     scale_drive=gain,
     shape_output=reading,
     transferable=False,
+    defining="instant",
 )

@@ -61,4 +61,5 @@ EFFECT = Effect(
     transferable=False,
     # Without it a force drifts, whatever the stress.
     essential="relaxation",
+    defining="relaxation",
 )

@@ -45,4 +45,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    defining="delay",
 )

@@ -150,4 +150,5 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     essential="response",
+    defining="stiffness",
 )
