@@ -344,6 +344,14 @@ def test_a_parameter_at_its_bound_has_no_interval():
     assert verdict_sentence(diagnosis, [replace(effect, parameters=wide)]).startswith(told)
 
 
+@pytest.mark.parametrize(("high", "told"), [(0.59, "0.4 ± 0.14 V"), (0.61, "0.3 to 0.61 V")])
+def test_a_lopsided_interval_is_told_by_its_ends(high, told):
+    effect = named()
+    effect.parameters["threshold"] = Estimate(0.4, "V", 0.3, high, 0.1)
+    text = verdict_sentence(found(Status.NAMED, "dead_zone"), [effect])
+    assert text.startswith(f"`dead_zone` (threshold {told}) removes")
+
+
 def test_what_withdrew_an_answer_is_told():
     withdrawn = found(Status.UNKNOWN, reason=Reason.CONTRADICTED_ELSEWHERE, share=None)
     withdrawn.decision = Decision(

@@ -32,6 +32,8 @@ _LEAST_SHARE = 1.0
 _LEFT = 0.8
 # Parameters of an effect that a sentence has room for.
 _QUOTED = 2
+# Times that an interval may reach further on one side than on the other to be told by its half.
+_LOPSIDED = 2.0
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -247,8 +249,14 @@ def _main(effect: "NamedEffect") -> str:
 
 
 def _quoted(estimate: "Estimate") -> str:
-    """Return an estimate with half of its interval, and of one at its bound that it is there."""
+    """Return an estimate with half of its interval, and of one at its bound that it is there.
+
+    Where it reaches much further on one side, its ends alone are told.
+    """
     value, unit = f"{estimate.value:.3g}", "" if estimate.unit == "1" else f" {estimate.unit}"
     if estimate.at_bound:
         return f"{value}{unit} at its bound"
+    below, above = estimate.value - estimate.low, estimate.high - estimate.value
+    if max(below, above) > _LOPSIDED * min(below, above):
+        return f"{estimate.low:.3g} to {estimate.high:.3g}{unit}"
     return f"{value} ± {0.5 * (estimate.high - estimate.low):.2g}{unit}"
