@@ -62,6 +62,7 @@ def extension(*names):
         free=np.arange(3),
         bounds=(np.full(3, -3.0), np.full(3, 3.0)),
         timing_spread=0.008,
+        effect_slices=[],
     )
 
 
@@ -69,7 +70,8 @@ def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
-    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.0115,
+    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
+    timing_deviation=0.05,
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -77,7 +79,6 @@ def found(
     fit = SimpleNamespace(
         extended=extended,
         coordinates=np.array(coordinates),
-        covariance=lambda seen, variance: np.diag([0.1, 0.1, 0.0025]),
         residual=residual,
     )
     chosen = candidate(*names, at_bounds=at_bounds, fit=fit) if names else None
@@ -92,6 +93,7 @@ def found(
         nominal=fit,
         extended=fit,
         final=fit,
+        uncertainty=SimpleNamespace(deviation=np.array([0.3, 0.3, timing_deviation])),
         problem=SimpleNamespace(
             recorded_interval=0.02,
             seen=np.ones(4, bool),
@@ -434,6 +436,50 @@ def test_a_record_is_logged_early_or_late_where_nothing_else_can_pass_for_it(
     diagnosis = found(status, *names, coordinates=(0.0, 0.0, offset))
     sure = status in (Status.NAMED, Status.NONE)
     assert remarks(diagnosis) == ((remark,) if remark and sure else ())
+
+
+EARLY = "The output is logged 10 ± 0.8 ms early (0.5 samples)"
+
+
+def test_the_time_of_logging_is_as_unsure_as_all_that_was_estimated():
+    diagnosis = found(Status.NONE, coordinates=(0.0, 0.0, -1.25), timing_deviation=0.42)
+    assert remarks(diagnosis) == ()
+    diagnosis.uncertainty.deviation[2] = 0.41
+    [text] = remarks(diagnosis)
+    assert text.startswith("The output is logged 10 ± 6.6 ms early")
+
+
+@pytest.mark.parametrize(
+    ("kind", "doubted"),
+    [
+        ({}, False),
+        ({"seen": 0.0116}, True),
+        ({"block": (0.2, 0.0116)}, True),
+        ({"block": (0.2, 0.0116), "accuracy": 0.01}, False),
+    ],
+)
+def test_where_more_than_noise_is_left_an_error_may_pass_for_a_time_offset(kind, doubted):
+    early = found(Status.NAMED, "dead_zone", coordinates=(0.0, 0.0, -1.25), **kind)
+    doubt = ", or an error of the law passes for that" if doubted else ""
+    assert remarks(early) == (f"{EARLY}{doubt}.",)
+    alone = found(Status.NONE, coordinates=(0.0, 0.0, 1.25), **kind)
+    [text] = remarks(alone)
+    assert text.endswith(
+        "lag this short" + (", or an error of the simulation passes for that." if doubted else ".")
+    )
+
+
+@pytest.mark.parametrize(("coordinate", "doubted"), [(3.0, True), (2.9, False), (0.0, False)])
+def test_a_law_at_its_bound_may_pass_for_a_time_offset(coordinate, doubted):
+    """At a bound that is its prior mean a part of a law has vanished."""
+    diagnosis = found(Status.NAMED, "dead_zone", coordinates=(0.0, 0.0, -1.25, coordinate))
+    extended = diagnosis.final.extended
+    extended.names, extended.free = (*NAMES, "dead_zone.slope"), np.arange(4)
+    extended.effect_slices = [slice(3, 4)]
+    extended.bounds = np.array([-3.0, -3.0, -3.0, 0.0]), np.full(4, 3.0)
+    assert remarks(diagnosis) == (
+        f"{EARLY}, or an error of the law passes for that." if doubted else f"{EARLY}.",
+    )
 
 
 @pytest.mark.parametrize(

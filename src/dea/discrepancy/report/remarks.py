@@ -6,7 +6,7 @@ import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
-from dea.discrepancy.fit import beyond_priors
+from dea.discrepancy.fit import CLOSE, at_bounds, beyond_priors
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
@@ -36,7 +36,7 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
 
 
 def _timing(found: "Diagnosis") -> str:
-    """Say by how much the output is logged early or late."""
+    """Say by how much the output is logged early or late, and what may pass for that."""
     fitted, problem = found.final, found.problem
     if found.decision.status not in (Status.NAMED, Status.NONE):
         # An effect that is missing may look like a time offset.
@@ -47,16 +47,30 @@ def _timing(found: "Diagnosis") -> str:
     at = names.index(TIMING_OFFSET)
     spread = fitted.extended.timing_spread
     offset = float(fitted.coordinates[at]) * spread
-    variance = found.noise_floor**2
-    deviation = float(np.sqrt(fitted.covariance(problem.seen, variance)[at, at])) * spread
+    deviation = float(found.uncertainty.deviation[at]) * spread
     if abs(offset) < max(_EARLY * problem.recorded_interval, _SURE * deviation):
         return ""
-    side = "early" if offset < 0 else "late"
-    doubt = "" if offset < 0 else ", or the device has a lag this short"
+    side, doubts = ("early", "") if offset < 0 else ("late", ", or the device has a lag this short")
+    if _inexact(found):
+        law = "the law" if found.decision.answer else "the simulation"
+        doubts += f", or an error of {law} passes for that"
     return (
         f"The output is logged {1e3 * abs(offset):.3g} ± {2e3 * deviation:.2g} ms {side} "
-        f"({abs(offset) / problem.recorded_interval:.2g} samples){doubt}."
+        f"({abs(offset) / problem.recorded_interval:.2g} samples){doubts}."
     )
+
+
+def _inexact(found: "Diagnosis") -> bool:
+    """Return whether more than noise is left, or a named law is at a bound that is not its prior.
+
+    What a law lacks then shows in other parameters, of which an offset in time is one.
+    """
+    fitted, most = found.final, found.rules.clean * found.floor
+    left = found.certificate.block.after, found.problem.seen_rmse(found.extended.residual)
+    laws = [part.start for part in fitted.extended.effect_slices]
+    of_law = fitted.extended.free >= min(laws, default=np.inf)
+    bound = at_bounds(fitted.extended, fitted.coordinates) & (np.abs(fitted.coordinates) > CLOSE)
+    return max(left) > most or bool((bound & of_law).any())
 
 
 def _dated(found: "Diagnosis") -> str:
