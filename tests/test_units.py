@@ -1,6 +1,6 @@
 import pytest
 
-from dea.units import power, ratio
+from dea.units import power, product, ratio
 
 
 @pytest.mark.parametrize(
@@ -18,3 +18,24 @@ def test_a_power_is_of_the_whole_unit(units, squared):
 )  # fmt: skip
 def test_a_ratio_is_over_the_whole_unit(below, per):
     assert ratio("mm", below) == per
+
+
+@pytest.mark.parametrize(
+    ("above", "below", "found"),
+    [
+        (["rad/s"], "s", "rad/s^2"),
+        (["V"], "s", "V/s"),
+        (["1"], "s", "1/s"),
+        (["s"], "s", "1"),
+        (["m/s", "kg"], "s", "m kg/s^2"),
+        (["1", "Pa s"], "s", "Pa"),
+        (["m", "N s/m"], "s", "N"),
+        (["rad/s^2"], "rad", "1/s^2"),
+        (["V/s/s"], "m/s", "V/s/m"),
+        (["N"], "mm", "N/mm"),
+        (["m^0.5"], "s", "m^0.5/s"),
+        (["(ticks/s)^2"], "s", "(ticks/s)^2/s"),
+    ],
+)
+def test_what_cancels_is_left_out_of_a_product(above, below, found):
+    assert product(*above, below=below) == found

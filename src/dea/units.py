@@ -16,6 +16,26 @@ def power(units: str, exponent: int) -> str:
     return f"({units})^{exponent}" if compound else f"{units}^{exponent}"
 
 
+def product(*above: str, below: str = "1") -> str:
+    """Return the units of a product of quantities over one, without what cancels."""
+    powers: dict[str, float] = {}
+    for sign, units in (*((1, each) for each in above), (-1, below)):
+        for place, part in enumerate([units] if "(" in units else units.split("/")):
+            for factor in [part] if "(" in part else part.split():
+                name, _, exponent = factor.partition("^")
+                if name != "1":
+                    side = -sign if place else sign
+                    powers[name] = powers.get(name, 0.0) + side * float(exponent or 1.0)
+
+    def written(name: str) -> str:
+        size = abs(powers[name])
+        return name if size == 1.0 else f"{name}^{size:g}"
+
+    upper = " ".join(written(name) for name, exponent in powers.items() if exponent > 0.0)
+    lower = [written(name) for name, exponent in powers.items() if exponent < 0.0]
+    return "/".join([upper or "1", *lower])
+
+
 def ratio(above: str, below: str) -> str:
     """Return the units of one quantity over another."""
     if below == "1":

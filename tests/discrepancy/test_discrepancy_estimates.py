@@ -1,7 +1,7 @@
 """In which order the parameters of a named effect are told, and with which intervals."""
 
 from dataclasses import asdict, replace
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,11 +11,11 @@ from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.report.estimates import estimates, quoted, uncertainty
 from dea.discrepancy.report.steepness import shortened
-from dea.simulation import Attached, Normalisation, Parameter, catalogue
+from dea.simulation import Attached, Parameter, catalogue
 from dea.simulation.page import REFERENCE
 
 
-def law_of(parameters, coordinates, defining="", frame=None, high=10.0):
+def law_of(parameters, coordinates, defining="", units=MappingProxyType({}), high=10.0):
     """A fit of a law with these parameters, and the law as it is attached."""
     attached = SimpleNamespace(parameters=parameters, effect=SimpleNamespace(defining=defining))
     extended = SimpleNamespace(
@@ -23,7 +23,7 @@ def law_of(parameters, coordinates, defining="", frame=None, high=10.0):
         attached=[attached],
         free=np.arange(len(parameters)),
         at_start=np.array([p.at_start for p in parameters]),
-        frame_of=lambda attached: frame,
+        own_unit=lambda attached, each: units.get(each.at_port, (0.0, 1.0, each.unit)),
         bounds=(np.full(len(parameters), -10.0), np.full(len(parameters), high)),
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
@@ -68,14 +68,14 @@ def test_of_an_event_the_instant_is_quoted():
     assert quoted(attached, estimates(fit, 0, np.ones(5))) == ("instant", "gain_step")
 
 
-def test_places_and_lengths_of_a_force_law_are_in_the_unit_of_the_position():
+def test_what_a_port_normalises_is_in_the_unit_that_the_simulation_gives_it():
     parameters = (
-        Parameter("stop", "1", 0.4, 0.1, motion="place"),
-        Parameter("radius", "1", 0.5, 1.0, log=True, motion="length"),
+        Parameter("stop", "1", 0.4, 0.1, at_port="place"),
+        Parameter("radius", "1", 0.5, 1.0, log=True, at_port="length"),
         Parameter("stiffness", "1", 5.0, 1.0),
     )
-    frame = Normalisation(rest=10.0, scale=-2.0), "mm"
-    fit, _ = law_of(parameters, np.array([2.0, -np.log(2.0), 1.0]), frame=frame, high=2.0)
+    units = {"place": (10.0, -2.0, "mm"), "length": (0.0, -2.0, "mm")}
+    fit, _ = law_of(parameters, np.array([2.0, -np.log(2.0), 1.0]), units=units, high=2.0)
     found = estimates(fit, 0, np.array([0.5, 0.1, 2.0]))
     assert asdict(found["stop"]) == pytest.approx(
         {

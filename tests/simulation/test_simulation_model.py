@@ -17,8 +17,10 @@ from scipy.signal import lsim
 
 from dea.errors import InputError
 from dea.simulation import (
+    Attached,
     ExtendedSimulation,
     ForcePort,
+    Normalisation,
     Parameter,
     SensorFilter,
     Simulation,
@@ -473,6 +475,48 @@ def test_the_equation_of_a_file_that_takes_other_arguments_is_named(tmp_path):
 def test_the_divisor_of_a_force_port_is_checked(port, message):
     with pytest.raises(InputError, match=message):
         replace(load_simulation("cascaded_tanks"), force_ports=(port,))
+
+
+@pytest.mark.parametrize(
+    ("kind", "found"),
+    [
+        ("place", (2.0, 5.0, "rad")),
+        ("length", (0.0, 5.0, "rad")),
+        ("rate", (0.0, 5.0, "rad/s")),
+        ("force", (0.0, 40.0, "rad/s^2")),
+        ("stiffness", (0.0, 8.0, "1/s^2")),
+        ("", (0.0, 1.0, "A")),
+    ],
+)
+def test_a_force_law_is_told_in_the_units_of_its_port(kind, found):
+    own = load_simulation("mass_spring_damper")
+    units = {"position": "rad", "velocity": "rad/s"}
+    own = replace(own, states=tuple(replace(each, unit=units[each.name]) for each in own.states))
+    port = Normalisation(rest=2.0, scale=5.0, unit_force=40.0)
+    extended = ExtendedSimulation(own, normalisations=(port,))
+    attached = Attached(catalogue()["coulomb_friction"], SCALES)
+    parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
+    assert extended.own_unit(attached, parameter) == found
+
+
+def test_a_divisor_takes_part_in_the_unit_of_a_force():
+    """The film's forces are stresses: its equation divides them by a viscosity."""
+    own = load_simulation("dea_film")
+    extended = ExtendedSimulation(own, normalisations=(Normalisation(1.0, 0.2, 600.0),))
+    attached = Attached(catalogue()["viscoelastic_creep"], SCALES)
+    [stiffness, *_] = attached.parameters
+    assert extended.own_unit(attached, stiffness) == (0.0, pytest.approx(3000.0), "Pa")
+
+
+def test_without_a_position_or_a_force_a_law_is_in_units_of_its_port():
+    own = load_simulation("mass_spring_damper")
+    [port] = own.force_ports
+    own = replace(own, force_ports=(replace(port, position=None),))
+    extended = ExtendedSimulation(own, normalisations=(Normalisation(scale=5.0),))
+    attached = Attached(catalogue()["coulomb_friction"], SCALES)
+    for kind in ("place", "length", "rate", "force", "stiffness"):
+        parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
+        assert extended.own_unit(attached, parameter) == (0.0, 1.0, "A")
 
 
 @pytest.mark.slow

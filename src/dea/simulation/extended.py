@@ -23,6 +23,7 @@ from dea.simulation.sensor_filter import UNFILTERED
 from dea.simulation.signatures import SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.timing import shifted
+from dea.units import product
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
@@ -250,6 +251,32 @@ class ExtendedSimulation:
             return None
         unit = next(each.unit for each in self.simulation.states if each.name == port.position)
         return self.normalisations[attached.place], unit
+
+    def own_unit(self, attached: Attached, parameter: Parameter) -> tuple[float, float, str]:
+        """Return where a parameter of an effect counts from, what its unit is, and the unit's name.
+
+        Places and lengths of a force law are in the unit of its port's position. Its forces are in
+        that of the port's equation: that of its state per second, times that of the divisor.
+        """
+        as_it_is = 0.0, 1.0, parameter.unit
+        if not parameter.at_port:
+            return as_it_is
+        port = self.simulation.force_ports[attached.place]
+        frame = self.normalisations[attached.place]
+        states = {each.name: each.unit for each in self.simulation.states}
+        divisors = {each.name: each.unit for each in self.simulation.parameters}
+        force = product(states[port.equation], divisors.get(port.divisor or "", "1"), below="s")
+        units = {"force": (0.0, frame.unit_force, force)}
+        if port.position is not None:
+            length = states[port.position]
+            units |= {
+                "place": (frame.rest, frame.scale, length),
+                "length": (0.0, frame.scale, length),
+                "rate": (0.0, frame.scale, product(length, below="s")),
+                "stiffness": (0.0, frame.unit_force / frame.scale, product(force, below=length)),
+            }
+        found = units.get(parameter.at_port, as_it_is)
+        return found if found[1] else as_it_is
 
     @property
     def takes_force(self) -> bool:

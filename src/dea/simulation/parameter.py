@@ -31,9 +31,9 @@ class Parameter:
     event
         Whether it says when something happened or how long that took, which only the samples around
         that instant tell.
-    motion
-        Of a law at a force port, whose motion is normalised: whether it is a ``place`` or a
-        ``length`` of it.
+    at_port
+        Of a law at a force port, whose motion and force are normalised: whether it is a ``place``,
+        a ``length`` or a ``rate`` of the motion, or a ``force`` or a ``stiffness``.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class Parameter:
     shape: bool = False
     at_start: bool = False
     event: bool = False
-    motion: Literal["", "place", "length"] = ""
+    at_port: Literal["", "place", "length", "rate", "force", "stiffness"] = ""
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.spread < np.inf:

@@ -1,7 +1,6 @@
 """Estimates of an effect's parameters, with intervals."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.steepness import INTERVAL, shortened
 from dea.discrepancy.report.verdict import Estimate
-from dea.simulation import Attached, Normalisation, Parameter
+from dea.simulation import Attached
 
 
 class Uncertainty(NamedTuple):
@@ -45,40 +44,44 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
 
     The one that defines the effect comes first, then those that moved furthest from their prior
     means, in their own standard errors; those that say in which state a record finds it come last.
-    Places and lengths of the motion at a force port are
-    in the unit of its position, all else of such a law in those of the port. ``deviation`` (k,) is
-    the standard deviation of all coordinates.
+    What a force law's port normalises is in the unit that the simulation gives it
+    (:meth:`dea.simulation.ExtendedSimulation.own_unit`). ``deviation`` (k,) is the standard
+    deviation of all coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
     defining = extended.attached[index].effect.defining
     values = fit.values
-    frame = extended.frame_of(extended.attached[index])
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
     bound = at_bounds(extended, fit.coordinates)
     found = []
     for position in own:
         i = extended.free[position]
         parameter = parameters[i - where.start]
-        ends = [
-            parameter.value(fit.coordinates[position] + side * INTERVAL * deviation[position])
-            for side in (-1.0, 1.0)
-        ]
-        value = float(values[i])
-        usual = parameter.value(0.0)
-        moved = abs(float(fit.coordinates[position] / deviation[position]))
+        origin, unit, units = extended.own_unit(extended.attached[index], parameter)
+        at, error = float(fit.coordinates[position]), float(deviation[position])
+        value, prior, *ends = (
+            origin + unit * each
+            for each in (
+                float(values[i]),
+                parameter.value(0.0),
+                parameter.value(at - INTERVAL * error),
+                parameter.value(at + INTERVAL * error),
+            )
+        )
         estimate = Estimate(
             value,
-            parameter.unit,
+            units,
             min(ends),
             max(ends),
-            usual,
+            prior,
+            origin,
             at_bound=bool(bound[position]),
-            moved=moved,
+            moved=abs(at) / error,
         )
-        turn = (parameter.name != defining, bool(extended.at_start[position]), -moved)
-        found.append((turn, parameter.name, _in_own_unit(estimate, parameter, frame)))
+        turn = (parameter.name != defining, bool(extended.at_start[position]), -estimate.moved)
+        found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
 
 
@@ -97,26 +100,3 @@ def quoted(attached: Attached, found: Mapping[str, Estimate]) -> tuple[str, ...]
         if name == defining or (each.moved > INTERVAL and name not in states)
     )
     return tuple(told) or tuple(found)[:1]
-
-
-def _in_own_unit(
-    estimate: Estimate, parameter: Parameter, frame: tuple[Normalisation, str] | None
-) -> Estimate:
-    """Return the estimate of a place or a length of the motion in the unit of the position."""
-    if frame is None or not parameter.motion:
-        return estimate
-    own, unit = frame
-    origin = own.rest if parameter.motion == "place" else 0.0
-    value, low, high, prior = (
-        origin + own.scale * each
-        for each in (estimate.value, estimate.low, estimate.high, estimate.prior)
-    )
-    return replace(
-        estimate,
-        value=value,
-        unit=unit,
-        low=min(low, high),
-        high=max(low, high),
-        prior=prior,
-        origin=origin,
-    )

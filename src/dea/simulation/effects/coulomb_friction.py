@@ -70,7 +70,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """
     span = scales.z_span
     return (
-        Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
+        Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True, at_port="force"),
         Parameter(
             "slip_deflection",
             "1",
@@ -80,11 +80,19 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             0.05 * span,
             log=True,
             shape=True,
-            motion="length",
+            at_port="length",
         ),
         Parameter("stiction_excess", "1", 0.0, 0.5, 0.0, 5.0, shape=True),
         Parameter(
-            "stribeck_rate", "1/s", 0.1 * span, 1.0, 1e-3 * span, 10.0 * span, log=True, shape=True
+            "stribeck_rate",
+            "1/s",
+            0.1 * span,
+            1.0,
+            1e-3 * span,
+            10.0 * span,
+            log=True,
+            shape=True,
+            at_port="rate",
         ),
         Parameter("start_deflection", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
         Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),

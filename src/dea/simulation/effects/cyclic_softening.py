@@ -47,13 +47,13 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("softening", "1", 0.1, 1.5, 1e-4, 0.9, log=True),
         Parameter(
             "travel", "1", 0.3 * travel, 2.0, 1e-3 * travel, 1e2 * travel, log=True,
-            motion="length",
+            at_port="length",
         ),
         Parameter("exponent", "1", 1.0, 0.3, 0.2, 4.0, log=True, shape=True),
         Parameter("stroke_softening", "1", 0.0, 0.3, 0.0, 0.9),
         Parameter(
             "stroke", "1", 0.5 * span, 1.0, 0.01 * span, 5.0 * span, log=True, shape=True,
-            motion="length",
+            at_port="length",
         ),
         Parameter("regained", "1", 1.0, 0.3, 0.0, 1.0, shape=True),
         Parameter(

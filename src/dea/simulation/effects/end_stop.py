@@ -36,11 +36,19 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """
     span = scales.z_span
     return (
-        Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span, motion="place"),
-        Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span, motion="place"),
-        Parameter("stiffness", "1", 5.0, 1.0, 1.0, 300.0, log=True),
+        Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span, at_port="place"),
+        Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span, at_port="place"),
+        Parameter("stiffness", "1", 5.0, 1.0, 1.0, 300.0, log=True, at_port="stiffness"),
         Parameter(
-            "corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.1 * span, log=True, shape=True
+            "corner_width",
+            "1",
+            0.01 * span,
+            1.0,
+            1e-3 * span,
+            0.1 * span,
+            log=True,
+            shape=True,
+            at_port="length",
         ),
         Parameter("exponent", "1", 1.0, 0.3, 1.0, 2.0, log=True, shape=True),
         Parameter("reference", "1", 0.1 * span, 0.0),

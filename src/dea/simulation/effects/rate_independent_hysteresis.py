@@ -69,9 +69,16 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return stiffness, radius, decay of the weight with it, start, growth in space, and skew."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
-        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
+        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True, at_port="stiffness"),
         Parameter(
-            "largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True, motion="length"
+            "largest_radius",
+            "1",
+            0.5 * span,
+            1.0,
+            0.02 * span,
+            5 * span,
+            log=True,
+            at_port="length",
         ),
         Parameter("weight_decay", "1", 2.0, 2.0, -3.0, 20.0, shape=True),
         Parameter("start_position", "1", middle, 0.5 * span, at_start=True),

@@ -34,7 +34,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("relaxation", "1", 0.1, 1.5, 1e-4, 0.9, log=True),
         Parameter("time", "s", 0.3 * duration, 2.0, 5 * dt, 1e2 * duration, log=True),
         Parameter("exponent", "1", 0.8, 0.4, 0.1, 4.0, log=True, shape=True),
-        Parameter("prestress", "1", 0.0, 0.1, -2.0, 2.0),
+        Parameter("prestress", "1", 0.0, 0.1, -2.0, 2.0, at_port="force"),
     )
 
 

@@ -98,7 +98,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     first, ratio = _times(scales)
     duration = scales.duration
     return (
-        Parameter("stiffness", "1", 0.05, 1.5, 1e-5, 10.0, log=True),
+        Parameter("stiffness", "1", 0.05, 1.5, 1e-5, 10.0, log=True, at_port="stiffness"),
         Parameter("branch_ratio", "1", 0.9, 0.3, 0.1, 3.0, log=True),
         *(
             Parameter(f"branch_{n}", "1", 0.0, 1.0, -6.0, 6.0, shape=True)
