@@ -55,7 +55,7 @@ def is_coloured_noise(
         return False
     if follows_energy(problem, residual, most):
         return False
-    return is_like_gaussian(problem, residual, long_blocks(blocks))
+    return is_like_gaussian(residual, long_blocks(blocks))
 
 
 def leaves_coloured_noise(
@@ -96,28 +96,27 @@ def predictable(problem: Problem, residual: np.ndarray) -> float:
     return max(flexible, _follows_input(problem, residual))
 
 
-def is_like_gaussian(problem: Problem, residual: np.ndarray, blocks: Sequence[slice]) -> bool:
+def is_like_gaussian(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
     """Return whether a residual (n,) is as even as Gaussian noise of its spectrum can be.
 
     Its kurtosis and the spread of its levels over the ``blocks`` are compared with those of signals
     with the same spectrum and random phases (Theiler et al. 1992, Physica D 58:77): what comes from
     a few events has larger ones. As much more is allowed as of innovations.
     """
-    seen, at = problem.seen, np.arange(residual.size)
-    bridged = np.interp(at, at[seen], residual[seen] - residual[seen].mean())
-    spectrum = np.abs(np.fft.rfft(bridged))
+    joined = np.concatenate([residual[block] for block in blocks])
+    joined -= joined.mean()
+    spectrum = np.abs(np.fft.rfft(joined))
+    ends = np.cumsum([block.stop - block.start for block in blocks])[:-1]
 
     def shape(signal: np.ndarray) -> tuple[float, float]:
-        parts = [signal[block] for block in blocks]
-        whole = np.concatenate(parts)
-        kurtosis = float(np.mean(whole**4) / np.mean(whole**2) ** 2)
-        return kurtosis, float(np.std(np.log([part.std() for part in parts])))
+        kurtosis = float(np.mean(signal**4) / np.mean(signal**2) ** 2)
+        return kurtosis, float(np.std(np.log([part.std() for part in np.split(signal, ends)])))
 
     # The same phases for every residual, so that two of one record are compared alike.
     phases = np.random.default_rng(0).random((_SURROGATES, spectrum.size))
     made = (spectrum * np.exp(2j * np.pi * own) for own in phases)
-    sharpest, most_uneven = np.max([shape(np.fft.irfft(m, residual.size)) for m in made], axis=0)
-    kurtosis, uneven = shape(bridged)
+    sharpest, most_uneven = np.max([shape(np.fft.irfft(m, joined.size)) for m in made], axis=0)
+    kurtosis, uneven = shape(joined)
     return bool(
         kurtosis <= sharpest + _KURTOSIS and uneven <= float(np.hypot(most_uneven, _UNEVEN))
     )
