@@ -170,7 +170,8 @@ def test_a_confirmation_of_several_stretches_is_readable(stretches):
     ("name", "lines"),
     [
         ("dea1", "dea1"),
-        ("dea1, pump_left", "dea1\npump_left"),
+        ("dea1, pump_left", "dea1, pump_left"),
+        ("cascade, pump_left", "cascade\npump_left"),
         (LONG + "dea1", "electrode_\nsilicone_batch_\n2024_sample_dea1"),
         ("a-" + "x" * 30, "a-\n" + "x" * 15 + "…"),
     ],

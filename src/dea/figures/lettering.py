@@ -18,11 +18,13 @@ def told_apart(values: Sequence[float]) -> list[str]:
 def in_lines(name: str, width: float) -> str:
     """Return a name in lines of at most ``width`` mm, broken behind its ``_``, ``-`` and spaces.
 
-    What follows a comma, as the input of a system with several, has lines of its own. A part that
-    does not fit ends with an ellipsis.
+    In a name that does not fit on one, what follows a comma, as the input of a system with several,
+    has lines of its own. A part that does not fit ends with an ellipsis.
     """
     most = max(int(_PER_MM * width), 2)
-    return "\n".join(line for each in name.split(", ") for line in _broken(each, most))
+    if len(name) <= most:
+        return name
+    return "\n".join(line for each in re.split(", |\n", name) for line in _broken(each, most))
 
 
 def _broken(name: str, most: int) -> list[str]:

@@ -113,7 +113,7 @@ def _several_systems(
             mesh = _panel(ax, responses[name], values.isel(time_h2=row), shown)
             ax.tick_params(labelleft=column == 0, labelbottom=row == len(times) - 1)
             axes[row, 0].set_ylabel(f"at {time}\n$f_2$ (Hz)")
-        axes[0, column].set_title(in_lines(name, panel))
+        axes[0, column].set_title(in_lines(name.replace(", ", "\n"), panel))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], name, responses[name], shown)
     labels = list(shown.curve_labels.values())
