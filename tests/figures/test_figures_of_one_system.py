@@ -36,13 +36,13 @@ def test_fig1_plots_input_and_output_over_time_and_against_each_other():
     _, series, details = figure.subfigs
     time, u, y = (record[name].values for name in ("time", "voltage", "displacement"))
     top, bottom = series.axes
-    assert_line(top, style.BLUE, time / 60, u)
-    assert_line(bottom, style.BLACK, time / 60, y)
+    assert_line(top, style.BLUE, time, u)
+    assert_line(bottom, style.BLACK, time, y)
     assert (top.get_ylabel(), bottom.get_ylabel()) == ("input $u$ (V)", "output $y$ (mm)")
     assert (top.get_title(loc="right"), bottom.get_xlabel()) == ("dea1", "time (min)")
     for ax in (top, bottom):
         span = ax.patches[0].get_extents().transformed(ax.transData.inverted())
-        assert (span.x0, span.x1) == pytest.approx((100 / 60, 130 / 60))
+        assert (span.x0, span.x1) == pytest.approx((100, 130))
     zoomed_input, loop, zoomed_output, bar = details.axes
     inside = (time >= 100) & (time <= 130)
     assert_line(zoomed_input, style.BLUE, time[inside], u[inside])
@@ -56,6 +56,20 @@ def test_fig1_plots_input_and_output_over_time_and_against_each_other():
     np.testing.assert_array_equal(in_time, np.column_stack([time / 60, u, y]))
     assert labels(loop) == ("input $u$ (V)", "output $y$ (mm)")
     assert bar.get_title(loc="right") == "time (min)"
+
+
+def test_fig1_of_a_short_record_is_in_seconds_and_not_faint():
+    whole, short = (fig1(made.record(1, length), "dea1", (2, 8)) for length in (1800.0, 10.0))
+    for figure, name in ((whole, "min"), (short, "s")):
+        assert figure.subfigs[1].axes[1].get_xlabel() == f"time ({name})"
+        assert figure.subfigs[2].axes[3].get_title(loc="right") == f"time ({name})"
+    assert short.subfigs[2].axes[1].collections[0].get_clim() == pytest.approx((0, 10))
+    thin, wide = (each.subfigs[1].axes[0].lines[0].get_linewidth() for each in (whole, short))
+    assert thin < 0.25 < 0.8 < wide
+    small, large = (
+        each.subfigs[2].axes[1].collections[0].get_sizes()[0] for each in (whole, short)
+    )
+    assert small <= 1.2 < 3 < large
 
 
 @pytest.mark.parametrize(("panel", "kind"), [(0, "dynamic"), (1, "polynomial")])

@@ -11,6 +11,8 @@ from dea.figures.bench_drawing import draw_bench, draw_cone
 from dea.store import Record, Sources, signals
 
 _FIGURE = "The figure of a record"
+# Samples that are drawn as points of size one (square points), and the sizes of more and of fewer.
+_DENSE, _SIZES = 20000, (0.25, 4.0)
 
 
 def draw(sources: Sources, zoom: tuple[float, float]) -> Figure:
@@ -77,34 +79,32 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
 
 
 def _whole_record(top: Axes, bottom: Axes, whole: Record, zoom: tuple[float, float]) -> None:
-    minutes = whole.time / style.MINUTE
     for ax, values, units, symbol, colour in (
         (top, whole.u, whole.unit_of_one_input(_FIGURE), "input $u$", style.BLUE),
         (bottom, whole.y, whole.y_units, "output $y$", style.BLACK),
     ):
-        ax.plot(minutes, values, lw=0.2, color=colour, rasterized=True)
-        ax.axvspan(
-            zoom[0] / style.MINUTE, zoom[1] / style.MINUTE, color=style.ORANGE, alpha=0.45, lw=0
-        )
+        width = style.line_width(whole.time.size)
+        ax.plot(whole.time, values, lw=width, color=colour, rasterized=True)
+        ax.axvspan(*zoom, color=style.ORANGE, alpha=0.45, lw=0)
         ax.set_ylabel(style.quantity(symbol, units))
-    bottom.set_xlim(0, minutes[-1] + minutes[1])
-    bottom.set_xlabel("time (min)")
+    style.time_axis(bottom, whole.time)
 
 
 def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
+    unit, name = style.clock(whole.time)
     # In no order of time, so that late samples do not hide early ones; the same each time.
     order = np.random.default_rng(0).permutation(whole.time.size)
     points = ax.scatter(
         whole.u[order],
         whole.y[order],
-        c=whole.time[order] / style.MINUTE,
-        s=0.25,
+        c=whole.time[order] / unit,
+        s=float(np.clip(_DENSE / whole.time.size, *_SIZES)),
         lw=0,
         cmap=style.TIME_MAP,
         rasterized=True,
     )
     ax.set_xlabel(style.quantity("input $u$", whole.unit_of_one_input(_FIGURE)))
     ax.set_ylabel(style.quantity("output $y$", whole.y_units))
-    points.set_clim(0, (whole.time[-1] + whole.time[1]) / style.MINUTE)
+    points.set_clim(0, (whole.time[-1] + whole.time[1]) / unit)
     bar = figure.colorbar(points, ax=ax, pad=0.02, aspect=28)
-    bar.ax.set_title("time (min)", loc="right")  # beside the bar it would touch what follows
+    bar.ax.set_title(f"time ({name})", loc="right")  # beside the bar it would touch what follows

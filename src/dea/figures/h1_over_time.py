@@ -136,7 +136,8 @@ def _extrapolates(response: xr.Dataset) -> bool:
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
-    ax.plot(whole.time, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
+    width = style.line_width(whole.time.size)
+    ax.plot(whole.time, whole.y, lw=width, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
     ax.yaxis.set_major_locator(MaxNLocator(2))
     ax.tick_params(labelbottom=False)

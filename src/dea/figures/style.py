@@ -35,6 +35,7 @@ _MM_PER_INCH = 25.4
 MINUTE = 60.0  # s
 _LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
+_DENSE, _THINNEST = 4000, 0.2  # samples of a line of one point across a page; points
 _SHORT_RANGE = 5.0  # ratio of the ends of a logarithmic axis, below which 1, 2 and 5 are too few
 # The same, above which the labels of 2 and 5 are too many: of an axis upwards, and of one across,
 # where they are wider than high.
@@ -247,6 +248,11 @@ def moment(time: float, like: NDArray[np.float64]) -> str:
     length = (like[-1] - like[0]) / unit
     digits = 1 - floor(log10(length)) if 0.0 < length < 1.0 else 1
     return f"{round(time / unit, digits):g} {name}"
+
+
+def line_width(samples: int) -> float:
+    """Return the width (points) of the line of a whole record: thinner where samples are dense."""
+    return float(np.clip(_DENSE / samples, _THINNEST, mpl.rcParams["lines.linewidth"]))
 
 
 def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:

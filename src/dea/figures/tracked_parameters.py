@@ -139,7 +139,9 @@ def _errors(axes: NDArray[np.object_], record: xr.Dataset, track: xr.Dataset) ->
             reach = min(worst, _OVER_USUAL * float(np.quantile(size, _USUAL)))
         reach = min(reach or worst, float(np.nanmax(whole.y) - np.nanmin(whole.y)))
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
-        ax.plot(time[:end], error[:end], lw=0.2, color=colour, rasterized=True)
+        ax.plot(
+            time[:end], error[:end], lw=style.line_width(time.size), color=colour, rasterized=True
+        )
         ax.plot([time[0], time[end - 1] if end else time[0]], [0, 0], color=style.BLACK, lw=0.4)
         if end < time.size:
             ax.axvline(time[end], color=colour, lw=0.8, ls="--")
