@@ -64,6 +64,17 @@ def test_the_errors_are_in_noise_floors_before_along_x_and_after_along_y(scores)
     assert [list(line.get_ydata()) for line in dashed] == [[1.3, 1.3]]
 
 
+def test_no_point_lies_off_the_axes_of_errors_and_missing_ones_are_left_out(scores):
+    odd = scores.copy(deep=True)
+    odd["error_after"].values[0] = np.nan
+    odd["error_after"].values[1] = 0.3 * float(odd["noise_floor"][1])
+    ax = trials_gap(odd, 1.3).axes[0]
+    for low, high in (ax.get_xlim(), ax.get_ylim()):
+        assert 0.2 < low < 0.3
+        assert high > np.nanmax((odd["error_before"] / odd["noise_floor"]).values)
+    assert trials_gap(scores, 1.3).axes[0].get_ylim()[0] == pytest.approx(0.8)
+
+
 def test_the_curve_of_risk_and_the_point_of_the_verdicts(scores):
     ax = trials_risk_coverage(scores).axes[0]
     curve, point, *_ = ax.lines

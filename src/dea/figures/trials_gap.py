@@ -17,6 +17,8 @@ COLOURS = {
     "right none": style.BLACK,
 }
 
+_LEAST = 0.8  # noise floors, from which the axes begin at the latest
+
 
 def draw(sources: Sources, clean: float) -> Figure:
     """Draw it from ``scores.nc`` of a set of trials; ``clean`` is that of the verdicts' rules."""
@@ -45,7 +47,9 @@ def trials_gap(scores: xr.Dataset, clean: float) -> Figure:
                 before[chosen], after[chosen], "o", mfc=colour, mec=style.GREY, mew=0.3, ms=4,
                 label=f"{outcome} ({chosen.sum()})",
             )  # fmt: skip
-    ends = np.array([0.8, 1.2 * np.max([before.max(), after.max(), 2.0])])
+    every = np.concatenate([before, after])
+    shown = every[np.isfinite(every) & (every > 0.0)]
+    ends = np.array([0.9 * shown.min(initial=_LEAST / 0.9), 1.2 * shown.max(initial=2.0)])
     ax.plot(ends, ends, color=style.GREY, lw=0.6, ls=":")
     ax.axhline(1.0, color=style.GREY, lw=0.6)
     ax.axhline(clean, color=style.GREY, lw=0.6, ls="--")
