@@ -75,6 +75,19 @@ def test_no_point_lies_off_the_axes_of_errors_and_missing_ones_are_left_out(scor
     assert trials_gap(scores, 1.3).axes[0].get_ylim()[0] == pytest.approx(0.8)
 
 
+def test_the_legend_of_outcomes_has_those_that_occur_with_their_numbers(scores):
+    bare = scores.copy(deep=True)
+    for dim in ("strength_bin", "excitation_kind"):
+        bare[f"{dim}_outcomes"].loc[{"possible_outcome": "right class"}] = 0
+    said = [text.get_text() for text in trials_strength(bare).legends[0].get_texts()]
+    counts = bare["strength_bin_outcomes"].sum("strength_bin").to_pandas()
+    bars = counts.drop(["one of two", "right none"])
+    assert said == [f"{name} ({count})" for name, count in bars[bars > 0].items()]
+    assert "right class (0)" not in said
+    empty = bare.assign(strength_bin_outcomes=0 * bare["strength_bin_outcomes"])
+    assert not trials_strength(empty).legends
+
+
 def test_the_curve_of_risk_and_the_point_of_the_verdicts(scores):
     ax = trials_risk_coverage(scores).axes[0]
     curve, point, *_ = ax.lines

@@ -27,8 +27,15 @@ def trials_strength(scores: xr.Dataset) -> Figure:
     )
     _stack(by_excitation, scores, "excitation_kind")
     by_excitation.set(xlabel="excitation (number of trials)")
-    handles, labels = by_strength.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles))
+    handles, names = by_strength.get_legend_handles_labels()
+    trials = scores["strength_bin_outcomes"].sum("strength_bin")
+    shown = [
+        (handle, f"{name} ({count})")
+        for handle, name in zip(handles, names, strict=True)
+        if (count := int(trials.sel(possible_outcome=name)))
+    ]
+    if shown:
+        figure.legend(*zip(*shown, strict=True), loc="outside upper center", ncols=len(shown))
     style.panel_letters([by_strength, by_excitation])
     return figure
 
