@@ -55,6 +55,16 @@ def test_the_legend_says_what_a_hollow_point_is(drawn):
     assert same_color(hollow.get_markerfacecolor(), "white")
 
 
+def test_the_legend_begins_with_what_was_measured_and_modelled(drawn):
+    _, axes = drawn
+    said = [text.get_text() for text in axes[0, 0].figure.legends[0].get_texts()]
+    assert said[:2] == [
+        "best linear approximation, with its 95 % band",
+        "$H_1$ of the tracked model, with its 95 % band",
+    ]
+    assert len(set(said)) == 7
+
+
 def test_even_lines_are_drawn_beside_their_prediction_and_the_noise(drawn):
     found, axes = drawn
     part = found.isel(stretch=2)

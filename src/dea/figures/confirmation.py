@@ -56,7 +56,10 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     axes[2, 0].set_ylabel("difference\nof phase (degrees)")
     even_units = found["even_measured"].attrs["units"]
     axes[3, 0].set_ylabel(style.quantity("even lines\nof the output", even_units))
-    first, last = axes[0, 0].get_legend_handles_labels(), axes[3, 0].get_legend_handles_labels()
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    # What was measured, which is an error bar, and so last among the handles, comes first.
+    first = [*handles[-1:], *handles[:-1]], [*labels[-1:], *labels[:-1]]
+    last = axes[3, 0].get_legend_handles_labels()
     figure.legend(*first, loc="outside upper center", ncols=2, title=name, title_fontsize=7)
     figure.legend(*last, loc="outside lower center", ncols=3, columnspacing=1.2)
     return figure
