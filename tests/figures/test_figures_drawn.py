@@ -359,6 +359,9 @@ def test_a_page_of_one_system_is_wide_and_readable(draw):
     figure = draw({"dea1": gfrf})
     width, height = figure.get_size_inches()
     assert width > height
+    curves = next(ax for ax in figure.axes if ax.get_xlabel() == "$f$ (Hz)")
+    low, high = curves.get_xlim()
+    assert sum(low <= tick <= high for tick in curves.get_xticks()) >= 5
     said = assert_readable(figure)
     assert {"dea1", "at 5 min", "at 15 min", "at 25 min"} <= set(said)
 

@@ -29,6 +29,7 @@ from dea.figures.lettering import in_lines, told_apart
 
 _MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
 _CURVES = 34.0  # mm, height of the last row
+_TICKS_ACROSS = 8  # intervals of an axis that is as wide as the page
 _WIDE = 150.0  # mm, from where a legend of three columns is not cut
 _TITLE = 10.0  # mm, above a row of maps alone
 _PALENESS = 0.3
@@ -141,6 +142,7 @@ def _one_system(
     axes[0].set_ylabel("$f_2$ (Hz)")
     curves = figure.add_subplot(grid[1, :])
     _diagonal(curves, name, responses[name], shown)
+    curves.xaxis.set_major_locator(MaxNLocator(_TICKS_ACROSS))
     curves.set_ylabel(shown.curve_labels[name])
     colour_bar(figure, mesh, axes, shown.map_label)
     figure.suptitle(name, fontsize=7)
