@@ -4,6 +4,8 @@ import re
 from math import isfinite, isinf
 
 DASH = "–"
+# Times that an interval may reach further on one side than on the other to be told by its half.
+_LOPSIDED = 2.0
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -24,3 +26,17 @@ def share(value: float, low: float | None = None, high: float | None = None) -> 
         return "over 99 %"
     interval = "" if low is None or high is None else f" ({100 * low:.0f} to {100 * high:.0f} %)"
     return f"{100 * value:.0f} %{interval}"
+
+
+def estimate(value: float, low: float, high: float, unit: str, *, at_bound: bool = False) -> str:
+    """Return a parameter's value with half of its interval, and of one at its bound that it is.
+
+    Where the interval reaches much further on one side, its ends alone are told.
+    """
+    units = "" if unit == "1" else f" {unit}"
+    if at_bound:
+        return f"{value:.3g}{units} at its bound"
+    below, above = value - low, high - value
+    if max(below, above) > _LOPSIDED * min(below, above):
+        return f"{low:.3g} to {high:.3g}{units}"
+    return f"{value:.3g} ± {0.5 * (high - low):.2g}{units}"

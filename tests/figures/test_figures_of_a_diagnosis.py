@@ -62,11 +62,11 @@ CANDIDATES = xr.Dataset(
 
 def verdict(status="named"):
     law = {
-        "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V", "prior": 0.5},
-        "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1", "prior": 0.0},
+        "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V", "at_bound": False},
+        "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1", "at_bound": False},
     }
     effect = {"name": "dead_zone", "port": "input path", "place": None, "share": 0.724}
-    effects = [effect | {"parameters": law}]
+    effects = [effect | {"parameters": law, "quoted": ["width", "slope"]}]
     return {
         "status": status,
         "whole": True,
@@ -200,14 +200,18 @@ def test_the_law_is_drawn_over_the_record_beside_what_would_be_without_it(panels
     ]  # fmt: skip
 
 
-def test_parameters_that_the_record_moved_are_told_before_those_it_left_as_they_were():
+def test_the_parameters_that_the_verdict_quotes_are_told_in_its_words():
     said = verdict()
-    law = said["effects"][0]["parameters"]
-    law["ratio"] = {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "1", "prior": 1.0}
-    law["exponent"] = {"value": 0.6, "low": 0.5, "high": 0.7, "unit": "1", "prior": 1.0}
+    [effect] = said["effects"]
+    more = {
+        "ratio": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "1", "at_bound": True},
+        "exponent": {"value": 0.6, "low": 0.5, "high": 1.7, "unit": "1", "at_bound": False},
+    }
+    effect["parameters"] |= more
+    effect["quoted"] = ["exponent", "ratio", "width", "slope"]
     ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
     assert ax.get_title("right").splitlines()[1:] == [
-        "width = 0.4 ± 0.15 V", "exponent = 0.6 ± 0.1", "slope = 0.1 ± 0.15",
+        "exponent = 0.5 to 1.7", "ratio = 1 at its bound", "width = 0.4 ± 0.15 V",
     ]  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.number_format import share, written_out
+from dea.number_format import estimate, share, written_out
 from dea.store import Sources
 
 # Ends of a logarithmic axis beyond what is drawn on it.
@@ -290,7 +290,7 @@ def _tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) -
     if change := effect.get("change"):
         told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
     else:
-        told += [_estimate(name, each) for name, each in _telling(effect["parameters"])]
+        told += [_estimate(name, effect["parameters"][name]) for name in effect["quoted"][:_TOLD]]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)
 
 
@@ -319,18 +319,11 @@ def _text_height(ax: Axes) -> float:
     return _LEGEND_HEIGHT + _LINE_HEIGHT * lines
 
 
-def _telling(parameters: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, Mapping[str, Any]]]:
-    """Return the first parameter, then others that are not as expected without the record."""
-    first, others = list(parameters.items())[:1], list(parameters.items())[1:]
-    others.sort(key=lambda each: each[1]["low"] <= each[1]["prior"] <= each[1]["high"])
-    return [*first, *others][:_TOLD]
-
-
-def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
-    """Return a parameter as its name, its value and half of its interval."""
-    value, low, high = (estimate[key] for key in ("value", "low", "high"))
-    unit = f" {estimate['unit']}" if estimate["unit"] != "1" else ""
-    return written_out(f"{name.replace('_', ' ')} = {value:.3g} ± {0.5 * (high - low):.2g}{unit}")
+def _estimate(name: str, found: Mapping[str, Any]) -> str:
+    """Return a parameter as its name and what the sentence of the verdict would say of it."""
+    value, low, high = (found[key] for key in ("value", "low", "high"))
+    said = estimate(value, low, high, found["unit"], at_bound=found["at_bound"])
+    return written_out(f"{name.replace('_', ' ')} = {said}")
 
 
 def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
@@ -342,8 +335,8 @@ def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
             header = _in_words(f"{effect['name']}{place}").replace("\n", " ")
             ax.text(-100, len(labels), header, va="center", fontsize=6)
             labels.append("")
-        for name, estimate in effect["parameters"].items():
-            value, low, high = (estimate[key] for key in ("value", "low", "high"))
+        for name, found in effect["parameters"].items():
+            value, low, high = (found[key] for key in ("value", "low", "high"))
             size = max(abs(value), 1e-12)
             ends = np.clip([100 * (end - value) / size for end in (low, high)], -100, 100)
             # The interval contains zero: its size relative to the estimate says nothing.
@@ -351,7 +344,7 @@ def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
             y = len(labels)
             ax.plot(ends, [y, y], color=colour, lw=1.5)
             ax.plot(0, y, "o", color=colour)
-            labels.append(_estimate(name, estimate))
+            labels.append(_estimate(name, found))
     ticks = [y for y, label in enumerate(labels) if label]
     ax.set_yticks(ticks, [labels[y] for y in ticks])
     ax.set(xlabel="95 % interval about the estimate (%; grey: may be zero)", xlim=(-105, 105))

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.discrepancy.rules import misfit
-from dea.number_format import share, written_out
+from dea.number_format import estimate, share, written_out
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
     from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
-    from dea.discrepancy.report.verdict import Estimate, NamedEffect
+    from dea.discrepancy.report.verdict import NamedEffect
     from dea.discrepancy.search.candidates import Candidate
 
 # The bin of each quantity that the residual is concentrated in.
@@ -32,8 +32,6 @@ _LEAST_SHARE = 1.0
 _LEFT = 0.8
 # Parameters of an effect that a sentence has room for.
 _QUOTED = 2
-# Times that an interval may reach further on one side than on the other to be told by its half.
-_LOPSIDED = 2.0
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -245,18 +243,8 @@ def _main(effect: "NamedEffect") -> str:
             "the end"
         )
     told = ((name, effect.parameters[name]) for name in effect.quoted[:_QUOTED])
-    return ", ".join(f"{name.replace('_', ' ')} {_quoted(each)}" for name, each in told)
-
-
-def _quoted(estimate: "Estimate") -> str:
-    """Return an estimate with half of its interval, and of one at its bound that it is there.
-
-    Where it reaches much further on one side, its ends alone are told.
-    """
-    value, unit = f"{estimate.value:.3g}", "" if estimate.unit == "1" else f" {estimate.unit}"
-    if estimate.at_bound:
-        return f"{value}{unit} at its bound"
-    below, above = estimate.value - estimate.low, estimate.high - estimate.value
-    if max(below, above) > _LOPSIDED * min(below, above):
-        return f"{estimate.low:.3g} to {estimate.high:.3g}{unit}"
-    return f"{value} ± {0.5 * (estimate.high - estimate.low):.2g}{unit}"
+    return ", ".join(
+        f"{name.replace('_', ' ')} "
+        + estimate(each.value, each.low, each.high, each.unit, at_bound=each.at_bound)
+        for name, each in told
+    )
