@@ -208,10 +208,11 @@ def test_the_parameters_that_the_verdict_quotes_are_told_in_its_words():
         "exponent": {"value": 0.6, "low": 0.5, "high": 1.7, "unit": "1", "at_bound": False},
     }
     effect["parameters"] |= more
+    effect["parameters"]["width"]["unit"] = "mm/s^2"
     effect["quoted"] = ["exponent", "ratio", "width", "slope"]
     ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
     assert ax.get_title("right").splitlines()[1:] == [
-        "exponent = 0.5 to 1.7", "ratio = 1 at its bound", "width = 0.4 ± 0.15 V",
+        "exponent = 0.5 to 1.7", "ratio = 1 at its bound", "width = 0.4 ± 0.15 mm/s²",
     ]  # fmt: skip
 
 

@@ -322,7 +322,8 @@ def _text_height(ax: Axes) -> float:
 def _estimate(name: str, found: Mapping[str, Any]) -> str:
     """Return a parameter as its name and what the sentence of the verdict would say of it."""
     value, low, high = (found[key] for key in ("value", "low", "high"))
-    said = estimate(value, low, high, found["unit"], at_bound=found["at_bound"])
+    unit = style.raised(found["unit"])
+    said = estimate(value, low, high, unit, at_bound=found["at_bound"])
     return written_out(f"{name.replace('_', ' ')} = {said}")
 
 

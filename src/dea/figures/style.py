@@ -206,9 +206,14 @@ def panel_letters(
 
 def quantity(name: str, units: str) -> str:
     """Return an axis label: the quantity and its units, as in ``displacement (mm)``."""
+    return name if units == "1" else f"{name} ({raised(units)})"
+
+
+def raised(units: str) -> str:
+    """Return units with their powers raised."""
     for power, shown in (("**", "^"), ("^2", "²"), ("^3", "³")):
         units = units.replace(power, shown)
-    return name if units == "1" else f"{name} ({units})"
+    return units
 
 
 def truncated(name: str, low: float = 0.0, high: float = 1.0) -> ListedColormap:
