@@ -174,4 +174,5 @@ def percentage(nmse: float) -> str:
     if nmse >= 1e3:
         return f"{written_out(number(100 * (1 - nmse)))} %"
     decimals = min(max(1, -floor(log10(100 * nmse))), _DECIMALS) if nmse > 0 else _DECIMALS
-    return f"{100 * (1 - nmse):.{decimals}f} %"
+    explained = round(100 * (1 - nmse), decimals) + 0.0  # zero has no sign
+    return f"{explained:.{decimals}f} %"
