@@ -173,6 +173,8 @@ def test_a_record_of_few_windows_has_no_intervals(window, few):
     assert track.attrs["window"] == (window or 500)
     if few:
         assert track.attrs["withheld"].endswith("take a window of 500 samples")
+        # Not "8.0 windows", which are enough.
+        assert track.attrs["withheld"].startswith("the record has 7.9 windows that do not overlap")
 
 
 def test_a_window_of_too_few_samples_is_refused():

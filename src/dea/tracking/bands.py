@@ -19,7 +19,7 @@ WINDOWS_FAILED = (
     "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
 )
 WINDOWS_FEW = (
-    "the record has {:.1f} windows that do not overlap: fewer than {} do not tell how far the "
+    "the record has {:g} windows that do not overlap: fewer than {} do not tell how far the "
     "parameters move within one; {}"
 )
 UNDETERMINED = (

@@ -1,5 +1,6 @@
 """Track the parameters of a model through a record, by name of the method."""
 
+from math import floor
 from typing import Any
 
 import numpy as np
@@ -308,7 +309,7 @@ def _local(
     if not withheld and estimates.separate < SEPARATE:
         usual, taken = usual_window(model, signals.y.size), settings["window"]
         remedy = f"take a window of {usual} samples" if usual < taken else "take a longer record"
-        withheld = WINDOWS_FEW.format(estimates.separate, SEPARATE, remedy)
+        withheld = WINDOWS_FEW.format(floor(10 * estimates.separate) / 10, SEPARATE, remedy)
     if estimates.curvature > LARGEST_CURVATURE:
         withheld = withheld or UNDETERMINED
     return TrackerEstimate(theta, std, innovation, covariance, method, withheld)
