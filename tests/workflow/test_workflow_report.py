@@ -53,6 +53,22 @@ def test_the_report_opens_with_the_findings_and_says_how_each_result_was_made(st
     assert not re.search(r"{{|{%|\*\*|\|---", text)
 
 
+@pytest.mark.parametrize(
+    ("name", "system", "alt"),
+    [
+        ("actuators/fig1_dea1", "dea1", "The bench and the record of dea1"),
+        ("fig3_page2", "", "First-order frequency response over the record"),
+    ],
+)
+def test_a_picture_is_described_by_the_first_sentence_of_its_caption(
+    monkeypatch, name, system, alt
+):
+    monkeypatch.chdir(ROOT)
+    for part in ("_result", "_small", "origin"):
+        monkeypatch.setattr(f"dea.report.page.{part}", lambda _: "")
+    assert f'<img alt="{alt}" ' in page.figure(name, system)
+
+
 @pytest.fixture
 def results(tmp_path, monkeypatch):
     """Return a function that makes a report of results by name, without their content.

@@ -2,9 +2,10 @@
 
 import base64
 import io
+import re
 from collections.abc import Set
 from functools import partial
-from html import escape
+from html import escape, unescape
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -62,15 +63,17 @@ def write(file: Path) -> None:
 def figure(name: str, system: str = "") -> str:
     """Return the figure ``results/figures/NAME.png`` with its caption and how it was made.
 
-    The caption is that of the last part of the name, without the system's own.
+    The caption is that of the last part of the name, without the system's own. Who does not see the
+    picture is told its first sentence.
     """
     file = _result(f"figures/{name}.png")
     kind = Path(name).name.removesuffix(f"_{system}").partition("_page")[0]
     kind = "discrepancy" if kind == system else kind
     source = f"data:image/webp;base64,{_small(file)}"
-    image = f'<img alt="{escape(f"{kind} {system}".strip())}" src="{source}">'
+    caption = _caption("figures", kind, system)
+    image = f'<img alt="{escape(_first_sentence(caption))}" src="{source}">'
     picture = f'<a href="figures/{name}.pdf">{image}</a>'
-    return _framed(picture, _caption("figures", kind, system), file)
+    return _framed(picture, caption, file)
 
 
 def paged_figure(name: str, of: Set[str]) -> str:
@@ -103,6 +106,11 @@ def _caption(room: str, name: str, system: str) -> str:
     wildcards = SimpleNamespace(system=system or "the first actuator")
     filled = jinja2.Template(text).render(snakemake=SimpleNamespace(wildcards=wildcards))
     return str(publish_parts(filled, writer="html5")["fragment"])
+
+
+def _first_sentence(caption: str) -> str:
+    text = unescape(re.sub("<[^>]+>", "", caption))
+    return " ".join(text.split()).partition(". ")[0]
 
 
 def _small(picture: Path) -> str:
