@@ -152,8 +152,9 @@ def test_pictures_are_shown_in_proportion(findings):
 
 @pytest.mark.parametrize(
     ("nmse", "text"),
-    [(0.2, "80.0 %"), (7.3e-5, "99.993 %"), (1.043, "-4.3 %"), (1.0003, "0.0 %"), (0.0, "100.0000 %"),
-     (999.0, "-99800.0 %"), (1e3, "-99900 %"), (3.14159e7, "-3.14e+09 %"), (np.inf, "diverged")],
+    [(0.2, "80.0 %"), (7.3e-5, "99.993 %"), (1.043, "-4.3 %"), (0.0, "100.0000 %"),
+     (1.0003, "0.0 %"), (999.0, "-99800.0 %"), (1e3, "-99900 %"), (3.14159e7, "-3.14e+09 %"),
+     (np.inf, "diverged")],
 )  # fmt: skip
 def test_a_score_says_all_only_where_nothing_is_left(nmse, text):
     assert percentage(nmse) == text
