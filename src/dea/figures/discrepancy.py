@@ -1,32 +1,26 @@
 """A diagnosis: the residual and where it is largest, the errors, the named law, what is present."""
 
-import re
-from collections.abc import Mapping, Sequence
-from textwrap import wrap
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.number_format import estimate, share, written_out
+from dea.figures.laws import parameters, shape, tell, text_height
+from dea.figures.lettering import in_words
+from dea.number_format import share
 from dea.store import Sources
 
 # Ends of a logarithmic axis beyond what is drawn on it.
 _BESIDE = 1.3
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
-# Most points of a law that are drawn, and most parameters in the text above it.
-_MOST_POINTS = 3000
-_TOLD = 3
 # Most samples of the runs that are drawn: more would look like a filled area.
 _RUN = 1000
-# Letters of a line of a label beside an axis: longer ones leave the laws too little room.
-_LABEL = 21
 # Bars that a panel has room for: at least, so that one alone is not too thick, and at most.
 _FEW, _MOST_BARS = 3, 8
 # Intervals of an axis, so that labels as long as -1500 do not overlap.
@@ -39,19 +33,8 @@ _ABOVE: Mapping[str, Any] = {
     "ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
     "columnspacing": 0.9, "handlelength": 1.1,
 }  # fmt: skip
-# Points that the text above a law leaves for such a legend.
-_LEGEND_HEIGHT = 13.0
-_LINE_HEIGHT = 7.2  # points
 # Where, in units of probability, the shares stand beside the presences, and where that axis ends.
 _SHARES_AT, _PRESENCE_END = 1.25, 1.9
-# The band of a law, paler than the law.
-_BAND = "#F3CDB2"
-# Lengths that an output may have, in a metre.
-_OF_A_METRE = {"mm": 1e3, "µm": 1e6, "um": 1e6}
-# Part of a law's range on either side of it, beyond which its band is cut.
-_ROOM = 1.0
-# Height of the ticks that mark the samples of a law, in parts of its axis.
-_RUG = 0.03
 
 
 def draw(sources: Sources) -> Figure:
@@ -98,19 +81,19 @@ def discrepancy(
         _gains(laws[0], candidates)
     elif shapes:
         for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
-            _shape(ax, certificate, number, effect, verdict["unit"])
+            shape(ax, certificate, number, verdict["unit"])
             # The text of the first of two laws would leave the page on the left.
-            _tell(ax, effect, "left" if number < columns else "right")
+            tell(ax, effect, "left" if number < columns else "right")
         laws[-1].legend(**_ABOVE, fontsize=6)
     else:
-        _parameters(laws[0], effects)
+        parameters(laws[0], effects)
     _presence(present, verdict, candidates)
     for ax in (series, runs, where, *laws):
         beside = len(laws) > 1 and ax in laws
         ax.xaxis.set_major_locator(MaxNLocator(_TICKS_BESIDE if beside else _TICKS))
     style.panel_letters([series, runs, where, ladder])
     # Beside another law there is no room for the letter but above the text of its own.
-    style.panel_letters([laws[0]], "E", drop=-_text_height(laws[0]) if len(laws) > 1 else 0.0)
+    style.panel_letters([laws[0]], "E", drop=-text_height(laws[0]) if len(laws) > 1 else 0.0)
     style.panel_letters([present], "F")
     figure.suptitle(_title(verdict), fontsize=7.5)
     return figure
@@ -234,123 +217,13 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     if level > floor:
         ax.axvline(level, color=style.BLACK, lw=0.8, ls=":", label="with model error")
     ax.legend(**_ABOVE)
-    ax.set_yticks(range(len(rungs)), [_in_words(name) for name in rungs])
+    ax.set_yticks(range(len(rungs)), [in_words(name) for name in rungs])
     ax.set_ylim(max(len(rungs), _FEW) - 0.5, -0.5)
     ax.set(xlabel=style.quantity("held-out RMSE", verdict["unit"]), xscale="log")
     ends = [end for end in (*errors, floor, level) if end > 0.0]
     if ends:
         ax.set_xlim(min(ends) / _BESIDE, max(ends) * _BESIDE)
     style.plain_log_ticks(ax.xaxis)
-
-
-def _in_words(label: str) -> str:
-    """Return an effect's name in words and, below, the force port of the label, in short lines."""
-    label = re.sub("@([^>+]*)>", r"\nfrom \1 to ", label.replace("_", " "))
-    lines = label.replace("@", "\nat ").splitlines()
-    return "\n".join(short for line in lines for short in wrap(line, _LABEL))
-
-
-def _shape(
-    ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, Any], unit: str
-) -> None:
-    """Draw a named law with its band at the samples of the record, and what would be without it.
-
-    Samples that are not used, such as those of the first second, say nothing of the law: they are
-    left out, except of a course in time. Lengths are in the ``unit`` of the output, where that is
-    one, as are all others of the figure.
-    """
-    names = [f"law_{number}_{part}" for part in ("along", "value", "low", "high", "idle")]
-    along_units = certificate[names[0]].attrs["units"]
-    value_units = certificate[names[1]].attrs["units"]
-    over_time = certificate[names[0]].attrs["long_name"] == "time"
-    if not over_time:
-        certificate = certificate.isel(time=certificate["role"].values > 0)
-    parts = [
-        _length_in(certificate[name], along_units if name == names[0] else value_units, unit)
-        for name in names
-    ]
-    order = np.argsort(parts[0].values[:: -(-parts[0].size // _MOST_POINTS)], kind="stable")
-    along, value, low, high, idle = (
-        part.values[:: -(-part.size // _MOST_POINTS)][order] for part in parts
-    )
-    ax.vlines(along, low, high, color=_BAND, lw=1.2, label="95 % band", zorder=1.5)
-    ax.plot(along, value, ".", ms=1.2, color=style.VERMILION, label="law")
-    ax.plot(along, idle, color=style.GREY, ls="--", lw=0.8, label="without it")
-    if not over_time:
-        ax.vlines(along, 0.0, _RUG, color=style.BLACK, lw=0.15, transform=ax.get_xaxis_transform())
-    _leave_room_for_law(ax, np.concatenate([value, idle]), float(low.min()), float(high.max()))
-    for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
-        name = str(variable.attrs["long_name"]).replace("_", " ")
-        place(style.quantity(name, variable.attrs["units"]))
-
-
-def _tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) -> None:
-    """Write the name of a law above it, and what the record says of its parameters."""
-    told = [effect["name"].replace("_", " ")]
-    if change := effect.get("change"):
-        told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
-    else:
-        told += [_estimate(name, effect["parameters"][name]) for name in effect["quoted"][:_TOLD]]
-    ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)
-
-
-def _leave_room_for_law(ax: Axes, drawn: NDArray[np.float64], low: float, high: float) -> None:
-    """Cut a band from ``low`` to ``high`` that would flatten the law ``drawn``, and say so."""
-    least, most = float(drawn.min()), float(drawn.max())
-    room = _ROOM * (most - least)
-    if not high - low > (1.0 + 2.0 * _ROOM) * (most - least) > 0.0:
-        return
-    style.cut(ax, max(low, least - room), min(high, most + room), (low, high))
-
-
-def _length_in(values: xr.DataArray, units: str, wanted: str) -> xr.DataArray:
-    """Return values in ``units`` of m or its rates in the length ``wanted``; others as they are."""
-    length, *rest = units.split("/", 1)
-    if length != "m" or wanted not in _OF_A_METRE:
-        return values.assign_attrs(units=units)
-    return (values * _OF_A_METRE[wanted]).assign_attrs(
-        values.attrs | {"units": "/".join([wanted, *rest])}
-    )
-
-
-def _text_height(ax: Axes) -> float:
-    """Return how far the text above a law reaches, in points."""
-    lines = (ax.get_title(loc="left") or ax.get_title(loc="right")).count("\n") + 1
-    return _LEGEND_HEIGHT + _LINE_HEIGHT * lines
-
-
-def _estimate(name: str, found: Mapping[str, Any]) -> str:
-    """Return a parameter as its name and what the sentence of the verdict would say of it."""
-    value, low, high = (found[key] for key in ("value", "low", "high"))
-    unit = style.raised(found["unit"])
-    said = estimate(value, low, high, unit, at_bound=found["at_bound"])
-    return written_out(f"{name.replace('_', ' ')} = {said}")
-
-
-def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
-    """Draw each named parameter with its interval."""
-    labels: list[str] = []
-    for effect in effects:
-        if len(effects) > 1:
-            place = f"@{effect['place']}" if effect["place"] else ""
-            header = _in_words(f"{effect['name']}{place}").replace("\n", " ")
-            ax.text(-100, len(labels), header, va="center", fontsize=6)
-            labels.append("")
-        for name, found in effect["parameters"].items():
-            value, low, high = (found[key] for key in ("value", "low", "high"))
-            size = max(abs(value), 1e-12)
-            ends = np.clip([100 * (end - value) / size for end in (low, high)], -100, 100)
-            # The interval contains zero: its size relative to the estimate says nothing.
-            colour = style.GREY if low <= 0 <= high else style.VERMILION
-            y = len(labels)
-            ax.plot(ends, [y, y], color=colour, lw=1.5)
-            ax.plot(0, y, "o", color=colour)
-            labels.append(_estimate(name, found))
-    ticks = [y for y, label in enumerate(labels) if label]
-    ax.set_yticks(ticks, [labels[y] for y in ticks])
-    ax.set(xlabel="95 % interval about the estimate (%; grey: may be zero)", xlim=(-105, 105))
-    ax.set_ylim(len(labels) - 0.5, -0.7)
-    ax.axvline(0, color=style.PALE, lw=0.6, zorder=0)
 
 
 def _gains(ax: Axes, candidates: xr.Dataset) -> None:
@@ -362,7 +235,7 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
         gain, range(order.size), xerr=[gain - low, high - gain], fmt="o", color=style.BLUE, lw=1.0
     )
     ax.axvline(float(candidates["null_gain"]), color=style.BLACK, ls="--", lw=0.8)
-    names = [_in_words(str(n)) for n in candidates["candidate"].values[order]]
+    names = [in_words(str(n)) for n in candidates["candidate"].values[order]]
     ax.set_yticks(range(order.size), names)
     ax.set(xlabel="gain, log ratio of held-out RMSE (dashed: chance)")
     ax.invert_yaxis()
@@ -395,7 +268,7 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
                 _SHARES_AT, y, said, va="center", fontsize=6,
                 color=style.GREY,
             )  # fmt: skip
-    ax.set_yticks(range(len(found)), [_in_words(name) for name, _ in found])
+    ax.set_yticks(range(len(found)), [in_words(name) for name, _ in found])
     ax.set_ylim(max(len(found), _FEW) - 0.5, -0.5)
     ax.set(xlim=(0, _PRESENCE_END))
     ax.set_xlabel("probability that it is part of the answer,\nand share of the gap")

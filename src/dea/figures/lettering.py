@@ -3,8 +3,11 @@
 import re
 from collections.abc import Sequence
 from itertools import count
+from textwrap import wrap
 
 _PER_MM = 0.65  # letters, at the size of a title
+# Letters of a line of a label beside an axis: longer ones leave the laws too little room.
+_LABEL = 21
 _PART = re.compile(r"[^_\-\s]+[_\-\s]*|[_\-\s]+")
 
 
@@ -35,3 +38,10 @@ def _broken(name: str, most: int) -> list[str]:
         lines[-1] += part
     texts = [line.rstrip() for line in lines]
     return [text if len(text) <= most else f"{text[: most - 1]}…" for text in texts]
+
+
+def in_words(label: str) -> str:
+    """Return an effect's name in words and, below, the force port of the label, in short lines."""
+    label = re.sub("@([^>+]*)>", r"\nfrom \1 to ", label.replace("_", " "))
+    lines = label.replace("@", "\nat ").splitlines()
+    return "\n".join(short for line in lines for short in wrap(line, _LABEL))
