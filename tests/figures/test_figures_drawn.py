@@ -345,9 +345,27 @@ def test_levels_of_a_logarithmic_map_are_in_equal_ratios():
     np.testing.assert_allclose(np.diff(np.log(lines.levels), 2), 0.0, atol=1e-9)
 
 
-def test_white_contours_have_a_dark_edge_and_levels_a_minus_sign():
+def test_contours_are_seen_on_any_colour():
+    gfrf = made.gfrf(1)
+    f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
+    gfrf["H2"][..., 0] = 1 + f1 + f2
+    gfrf["H2"][..., 1] = 0.0
+    ax = fig4_h2({"dea1": gfrf}).axes[0]
+    mesh = next(c for c in ax.collections if c.get_array() is not None)
+    [lines] = contours(ax)
+    levels = {f"{level:.2g}": level for level in lines.levels}
+    letters = {}
+    for text in ax.texts:
+        level = levels[text.get_text()]
+        letters[level] = mcolors.to_rgb(text.get_color())[0]
+        assert abs(np.mean(mesh.to_rgba(level)[:3]) - letters[level]) > 0.35
+    assert [letters[level] for level in sorted(letters)] == [1.0, 1.0, 0.0]
+    drawn = [mcolors.to_rgb(colour)[0] for colour in lines.get_edgecolor()]
+    assert drawn == [1.0, 1.0, 0.0]
+
+
+def test_levels_of_a_phase_have_a_minus_sign():
     ax = fig4_h2_phase({"dea1": made.record(1)}, {"dea1": made.gfrf(1)}).axes[0]
-    assert all(each.get_path_effects() for each in (*contours(ax), *ax.texts))
     written = [text.get_text() for text in ax.texts]
     assert any(label.startswith("\N{MINUS SIGN}") for label in written)
     assert not any("-" in label for label in written)

@@ -3,29 +3,31 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm
 
 from dea.arrays import Array
 from dea.figures import style
 from dea.figures.lettering import told_apart
 
 _CONTOURS = 3
-_STROKE = 1.3  # points, below white lines and letters, so that they are seen on yellow
+_LIGHTNESS, _LIGHT = np.array([0.2126, 0.7152, 0.0722]), 0.5  # of red, green, blue; black from here
 _MOST_DIGITS = 3  # of a contour's label
 _FLAT = 0.01  # of the largest value; a map that varies less gets no contours
 _LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
 _APART = 0.9  # of the way from the middle to the edge, between labels
 
 
-def contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
+def contours(ax: Axes, trusted: xr.DataArray, mesh: QuadMesh) -> None:
     """Draw contours at levels of the panel's own, since the common colour scale may be wide.
 
-    A level without a place for its label is left out.
+    They are white, or black where the ``mesh`` below is light. A level without a place for its
+    label is left out.
     """
     low, high = float(trusted.min()), float(trusted.max())
     if not high - low > _FLAT * max(abs(low), abs(high)):
         return
-    levels = _levels(low, high, logarithmic=logarithmic)
+    levels = _levels(low, high, logarithmic=isinstance(mesh.norm, LogNorm))
     known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
     f1, f2 = known["frequency_1"].values, known["frequency_2"].values
     heights = known.transpose("frequency_2", "frequency_1").values
@@ -40,13 +42,13 @@ def contours(ax: Axes, trusted: xr.DataArray, *, logarithmic: bool) -> None:
     every.remove()
     if not labelled:
         return
+    lightness = mesh.to_rgba(np.array(labelled))[:, :3] @ _LIGHTNESS
+    colours = ["white" if light < _LIGHT else style.BLACK for light in lightness]
     lines = ax.contour(
-        f1, f2, heights, labelled, colors="white", linewidths=0.5, linestyles="solid"
+        f1, f2, heights, labelled, colors=colours, linewidths=0.5, linestyles="solid"
     )
     written = dict(zip(labelled, told_apart(labelled), strict=True))
-    texts = ax.clabel(lines, fmt=written, fontsize=6, manual=places)
-    for each in (lines, *texts):
-        each.set_path_effects([withStroke(linewidth=_STROKE, foreground=style.GREY)])
+    ax.clabel(lines, fmt=written, fontsize=6, manual=places)
 
 
 def _place_for_label(

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -222,7 +222,7 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: PlaneQua
     ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
     ax.set_box_aspect(1)
     trusted = values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1")))
-    contours(ax, trusted, logarithmic=isinstance(shown.norm, LogNorm))
+    contours(ax, trusted, mesh)
     hatch(ax, f1, f2, doubtful)
     return mesh
 
