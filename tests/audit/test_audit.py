@@ -16,7 +16,7 @@ from dea import archive, provenance
 from dea.audit import Manifest, collect, verify
 from dea.audit.__main__ import main
 from dea.audit.recompute import recompute
-from dea.audit.verify import in_order, resting_on
+from dea.audit.verify import Finding, in_order, resting_on, spoilt_by
 from dea.errors import InputError
 
 # Each result: what it is made from, and the code that makes it.
@@ -161,6 +161,23 @@ def test_a_missing_file_is_named_with_what_rests_on_it(study):
         "results/a/model.fmu", "results/a/track.nc", "results/figures/fig3.png",
         "results/tables/table1.csv",
     ]  # fmt: skip
+
+
+def test_of_changed_code_the_results_made_before_are_named(study, monkeypatch):
+    Path("src/shared.py").write_text("changed\n")
+    for product in ("model.nc", "track.nc", "model.fmu"):
+        make(monkeypatch, f"results/a/{product}")
+    make(monkeypatch, "results/tables/table1.csv")
+    collect().write()
+    manifest = Manifest.read()
+    changed = Finding("src/shared.py", "has changed since results were made with it")
+    assert changed in verify(manifest)
+    assert spoilt_by(changed, manifest) == ["results/figures/fig3.png"]
+    make(monkeypatch, "results/figures/fig3.png")
+    collect().write()
+    # What its commit does not hold concerns all.
+    assert first().path == "src/shared.py"
+    assert spoilt_by(first(), Manifest.read()) == resting_on("src/shared.py", manifest)
 
 
 def test_a_file_that_no_job_made_is_named(study):

@@ -15,7 +15,7 @@ from dea.audit import quotations
 from dea.audit.manifest import FILE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
-from dea.audit.verify import explained, notes, resting_on, verify
+from dea.audit.verify import explained, notes, spoilt_by, verify
 from dea.errors import InputError
 
 SHOWN = 10  # results and sentences named on the terminal; the page names all
@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
         return
     first = findings[0]
     print(f"broken: {first.path}: {explained(first, manifest)}")
-    resting = resting_on(first.path, manifest)
+    resting = spoilt_by(first, manifest)
     resting += quotations.resting([first.path, *resting])
     for path in resting[:SHOWN]:
         print(f"  rests on it: {path}")

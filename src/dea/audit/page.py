@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from dea.audit import quotations
 from dea.audit.manifest import Manifest
-from dea.audit.verify import Finding, explained, notes, resting_on
+from dea.audit.verify import Finding, explained, notes, spoilt_by
 
 
 def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str]) -> str:
@@ -38,7 +38,7 @@ def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str
         lines += ["## Made again", "", *(f"- {products}" for products in repeated), ""]
     for finding in findings:
         lines += [f"## {finding.path}", "", f"It {explained(finding, manifest)}", ""]
-        resting = resting_on(finding.path, manifest)
+        resting = spoilt_by(finding, manifest)
         if resting:
             lines += ["Results that rest on it:", "", *(f"- {path}" for path in resting), ""]
         sentences = quotations.resting([finding.path, *resting])

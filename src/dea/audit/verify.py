@@ -88,15 +88,37 @@ def in_order(manifest: Manifest) -> list[str]:
 
 def resting_on(path: str, manifest: Manifest) -> list[str]:
     """Return the products that were made from a file, directly or not; the file may be code."""
+    return [product for product in _spoilt({path}, manifest) if product != path]
+
+
+def spoilt_by(finding: Finding, manifest: Manifest) -> list[str]:
+    """Return the products that rest on what a finding is of.
+
+    Of code that has changed these are the ones that were made with it as it was.
+    """
+    file = Path(finding.path)
+    now = provenance.digest(file) if file.is_file() else None
+    made_otherwise = {
+        product
+        for product, one in manifest.products.items()
+        if manifest.jobs[one["job"]]["code"].get(finding.path, now) != now
+    }
+    if not made_otherwise:
+        return resting_on(finding.path, manifest)
+    return _spoilt(made_otherwise, manifest)
+
+
+def _spoilt(files: set[str], manifest: Manifest) -> list[str]:
+    """Return the products that are among the files, or were made from one, directly or not."""
     made_from = {
         product: {*manifest.sources(product), *manifest.jobs[one["job"]]["code"]}
         for product, one in manifest.products.items()
     }
-    spoilt, before = {path}, 0
+    spoilt, before = set(files), 0
     while len(spoilt) > before:
         before = len(spoilt)
         spoilt |= {product for product, sources in made_from.items() if spoilt & sources}
-    return [product for product in in_order(manifest) if product in spoilt - {path}]
+    return [product for product in in_order(manifest) if product in spoilt]
 
 
 def _files(manifest: Manifest) -> Iterator[Finding]:
