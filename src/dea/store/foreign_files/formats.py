@@ -89,9 +89,14 @@ def _holds_a_table(cells: pd.DataFrame) -> bool:
 def _texts(cells: pd.DataFrame) -> list[list[str]]:
     """Return the cells among which the numbers must begin as text."""
     return [
-        ["" if pd.isna(cell) else str(cell).strip().removesuffix(".0") for cell in row]
+        ["" if pd.isna(cell) else _text(cell) for cell in row]
         for row in cells.head(LOOKED_AT).itertuples(index=False)
     ]
+
+
+def _text(cell: object) -> str:
+    """Return a cell as text; beside an empty cell pandas reads whole numbers as floats."""
+    return f"{cell:.17g}" if isinstance(cell, float) else str(cell).strip()
 
 
 def _of_cells(cells: pd.DataFrame) -> ForeignTable:
