@@ -138,11 +138,8 @@ def _refuse_wide_rows(
             continue
         fields = _fields(row, layout)
         if any(map(is_number, _pointed(fields[layout.columns :], layout.decimal))):
-            raise InputError(
-                f"line {number + 1} has {len(fields)} fields, and the table {layout.columns}",
-                file=file,
-                remedy="Correct it; a number with a mark of thousands is to be quoted",
-            )
+            remedy = "Correct it; a number with a mark of thousands is to be quoted"
+            raise _of_other_width(number, len(fields), layout, file, remedy)
 
 
 def _refuse_narrow_rows(
@@ -168,10 +165,17 @@ def _refuse_narrow_rows(
 
 
 def _narrow(number: int, fields: int, layout: Layout, file: Path) -> InputError:
+    remedy = "Write nan in the place of what is missing, or delete the line"
+    return _of_other_width(number, fields, layout, file, remedy)
+
+
+def _of_other_width(
+    number: int, fields: int, layout: Layout, file: Path, remedy: str
+) -> InputError:
     return InputError(
         f"line {number + 1} has {fields} fields, and the table {layout.columns}",
         file=file,
-        remedy="Write nan in the place of what is missing, or delete the line",
+        remedy=remedy,
     )
 
 
