@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, kurtosis
 
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_blocks, long_parts
@@ -46,16 +46,20 @@ def is_coloured_noise(
     if len(parts) < 2:  # nothing says whether it is as large everywhere
         return False
     colour = fit_autoregression(parts)
-    parts = [innovations(colour, part) for part in parts]
-    left = np.concatenate(parts)
-    kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
+    sharp, uneven = _shape([innovations(colour, part) for part in parts])
+    return (
+        sharp <= _KURTOSIS
+        and uneven <= _UNEVEN
+        and predictable(problem, residual) <= most
+        and not follows_energy(problem, residual, most)
+        and is_like_gaussian(residual, long_blocks(blocks))
+    )
+
+
+def _shape(parts: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Return the excess kurtosis of a signal, and how much the logarithms of its levels spread."""
     levels = np.log([part.std() for part in parts])
-    even = float(np.std(levels)) <= _UNEVEN
-    if not (even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= most):
-        return False
-    if follows_energy(problem, residual, most):
-        return False
-    return is_like_gaussian(residual, long_blocks(blocks))
+    return float(kurtosis(np.concatenate(parts))), float(np.std(levels))
 
 
 def leaves_coloured_noise(
@@ -107,19 +111,17 @@ def is_like_gaussian(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
     joined -= joined.mean()
     spectrum = np.abs(np.fft.rfft(joined))
     ends = np.cumsum([block.stop - block.start for block in blocks])[:-1]
-
-    def shape(signal: np.ndarray) -> tuple[float, float]:
-        kurtosis = float(np.mean(signal**4) / np.mean(signal**2) ** 2)
-        return kurtosis, float(np.std(np.log([part.std() for part in np.split(signal, ends)])))
-
     # The same phases for every residual, so that two of one record are compared alike.
-    phases = np.random.default_rng(0).random((_SURROGATES, spectrum.size))
-    made = (spectrum * np.exp(2j * np.pi * own) for own in phases)
-    sharpest, most_uneven = np.max([shape(np.fft.irfft(m, joined.size)) for m in made], axis=0)
-    kurtosis, uneven = shape(joined)
-    return bool(
-        kurtosis <= sharpest + _KURTOSIS and uneven <= float(np.hypot(most_uneven, _UNEVEN))
-    )
+    rng = np.random.default_rng(0)
+
+    def surrogate() -> np.ndarray:
+        turned = spectrum * np.exp(2j * np.pi * rng.random(spectrum.size))
+        return np.fft.irfft(turned, joined.size)
+
+    made = [_shape(np.split(surrogate(), ends)) for _ in range(_SURROGATES)]
+    sharpest, most_uneven = np.max(made, axis=0)
+    sharp, uneven = _shape(np.split(joined, ends))
+    return bool(sharp <= sharpest + _KURTOSIS and uneven <= np.hypot(most_uneven, _UNEVEN))
 
 
 def follows_energy(problem: Problem, residual: np.ndarray, most: float = PREDICTED) -> bool:
