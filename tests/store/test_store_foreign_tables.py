@@ -500,6 +500,14 @@ def test_a_spreadsheet_names_a_word_by_its_row(units, tmp_path):
     assert found.units == ({"t": "s", "u": "V", "y": "1"} if units else {})
 
 
+def test_a_heading_of_a_spreadsheet_may_end_like_a_number(tmp_path):
+    book = openpyxl.Workbook()
+    for row in (["t", "u", "filter 2.0"], [0.5, 1, 2], [1.5, 3, 4], [2.5, 5, 6]):
+        book.active.append(row)
+    book.save(tmp_path / "mine.xlsx")
+    assert list(read_foreign(tmp_path / "mine.xlsx").columns) == ["t", "u", "filter 2.0"]
+
+
 def test_a_spreadsheet_of_headings_alone_is_no_table(tmp_path):
     book = openpyxl.Workbook()
     book.active.append(["t", "u"])
