@@ -91,6 +91,20 @@ def test_no_row_is_in_training_and_in_test(folder, kind):
     assert not np.array_equal(trained_on(), before, equal_nan=True)
 
 
+def test_a_record_for_a_simulation_keeps_the_input_that_a_threshold_acted_on(folder):
+    """A slow device behind a dead zone, whose mean input is not what the dead zone passed on."""
+    rng = np.random.default_rng(6)
+    rows, rate, pole = 6000, 1000.0, 0.99
+    u = 5 * lfilter([1 - pole], [1, -pole], np.repeat(rng.standard_normal(rows // 3), 3))
+    passed = np.sign(u) * np.maximum(np.abs(u) - 0.5, 0.0)
+    y = lfilter([0, 1 - pole], [1, -pole], passed)
+    times = np.arange(rows) / rate
+    pd.DataFrame({"t (s)": times, "y (mm)": y, "u (V)": u}).to_csv("rows.csv", index=False)
+    assert "resample" in infer_case(Path("rows.csv"), Answers()).content["record"]
+    content = infer_case(Path("rows.csv"), Answers(), simulation="mine.py").content
+    np.testing.assert_allclose(store.signals(store.import_record(content["record"])).u, u)
+
+
 def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
     table = pd.read_csv("mine.csv")
     table.insert(0, "clock", [f"12:00:{k // 20:02d}" for k in range(len(table))])

@@ -64,7 +64,7 @@ def infer_case(
         time = _times(table, roles)
         known = _known(table, roles, time)
         _refuse_far_outputs(table, roles.output[0])
-        resample, notes = _resampling(table, roles, time, known)
+        resample, notes = _resampling(table, roles, time, known, may_average=simulation is None)
         record |= {"resample": resample} if resample else {}
         signals = store.signals(store.import_record(record))
         settings = infer_settings(signals)
@@ -149,9 +149,19 @@ def _first_unseen(time: Array, held_out: int, resample: float | None) -> int:
 
 
 def _resampling(
-    table: store.ForeignTable, roles: Roles, time: Array, known: NDArray[np.bool_]
+    table: store.ForeignTable,
+    roles: Roles,
+    time: Array,
+    known: NDArray[np.bool_],
+    *,
+    may_average: bool,
 ) -> tuple[float | None, list[str]]:
-    """Return the interval to which the record is resampled, None where it may stay as it is."""
+    """Return the interval to which the record is resampled, None where it may stay as it is.
+
+    A record that is compared with a simulation keeps its rate: what a threshold or a limit passes
+    of the mean of an input is not the mean of what it passes. A diagnosis decimates it itself where
+    that changes nothing.
+    """
     y = table.columns[roles.output[0]]
     _check_times(time[known])
     interval = store.usual_interval(time[known])
@@ -162,7 +172,7 @@ def _resampling(
             field="time",
             remedy="Give the part of one sampling rate a file of its own",
         )
-    several = samples_to_average(filled(y)[0], 1.0 / interval)
+    several = samples_to_average(filled(y)[0], 1.0 / interval) if may_average else 1
     notes = []
     missing = steps[steps > 1.6 * interval]
     if missing.size:
