@@ -42,7 +42,7 @@ def decide(
     if chosen is None:
         return _nothing_proven(evidence)
     if not (explained(evidence, chosen, weighed) and each_adds(evidence, chosen, pool)):
-        part = certain_part(evidence, pool, weighed)
+        part = certain_part(evidence, pool, weighed, with_others=True)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
         # If an effect lowers the error on held-out blocks, the residual is not noise.

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.discrepancy.decision.adequacy import share_of
+from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.rules import misfit
@@ -12,15 +13,21 @@ from dea.discrepancy.search.candidates import Candidate, EffectSet
 
 
 def certain_part(
-    evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
+    evidence: Evidence,
+    pool: Sequence[Candidate],
+    weighed: Presence,
+    *,
+    with_others: bool = False,
 ) -> Candidate | None:
-    """Return the smallest set of certain effects that explains most of the gap, or a larger one.
+    """Return the smallest set of certain effects that passes all tests, or a larger one.
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
     them and any of its family must leave much more of the misfit than the best one with all, since
     an effect that the catalogue lacks is often half explained by several. No explanation may leave
-    less than the best one that holds them. A larger certain set is returned where it passes for its
-    further effects.
+    less than the best one that holds them. They must surely remove most of the gap, by themselves
+    or, if that is allowed, ``with_others``, as part of that explanation. Then none may be a course
+    in time, which follows whatever else is slow. A larger certain set is returned where it passes
+    for its further effects.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
@@ -43,6 +50,14 @@ def certain_part(
         beyond = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
         return beyond and rules.as_good(within, best, floor)
 
+    def removes_most(part: Candidate) -> bool:
+        if share_of(evidence, part.fit).low >= rules.part:
+            return True
+        if not (with_others and transferable(part.fit.extended)):
+            return False
+        best = min((c for c in finished if c.effects >= part.effects), key=lambda c: c.rmse)
+        return best is not part and share_of(evidence, best.fit).low >= rules.part
+
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
         others = (c for c in finished if len(c.effects) == len(part.effects) > 1)
@@ -61,8 +76,7 @@ def certain_part(
     certain = sorted(
         (c for c in finished if c.effects <= sure), key=lambda c: (len(c.effects), c.error)
     )
-    most = (c for c in certain if needed(c) and share_of(evidence, c.fit).low >= rules.part)
-    part = next(most, None)
+    part = next((c for c in certain if needed(c) and removes_most(c)), None)
     if part is None:
         return None
     wider = (c for c in certain if c.effects > part.effects and needed(c, part.effects))
