@@ -128,8 +128,8 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     [
         (
             "gfrf/probing.py",
-            {"gfrf", "figures_responses"},
-            {"acquire", "select", "track", "validate", "figures_actuator", "tables_actuators"},
+            {"gfrf", "confirm", "figures_responses", "figures_actuator"},
+            {"acquire", "select", "track", "validate", "figures_link", "tables_actuators"},
         ),
         (
             "figures/fig3.py",
@@ -165,9 +165,9 @@ def planned_after(finished, file, old, new):
     return {name: count for name, count in jobs.items() if name != "study"}
 
 
-def test_a_setting_of_one_figure_redraws_it_alone(finished):
+def test_a_setting_of_one_figure_redraws_its_group_alone(finished):
     jobs = planned_after(finished, "small.yaml", "zoom: [60, 75]", "zoom: [65, 80]")
-    assert jobs == {"figures_measurement": 2, "first_actuator": 1}
+    assert jobs == {"figures_actuator": 2, "first_actuator": 4}
 
 
 def test_a_value_of_one_virtual_actuator_reruns_that_actuator_alone(finished):

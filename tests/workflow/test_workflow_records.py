@@ -34,6 +34,7 @@ def test_the_study_takes_a_record_of_hardware_and_never_makes_one(hardware):
     folders = [keep(hardware, "record", 12), keep(hardware, "second", 13)]
     jobs = hardware.planned("study")
     assert jobs["acquire"] == jobs["take_record"] == 1
+    assert jobs["figures_actuator"] == jobs["figures_unconfirmed"] == 1
     # Nothing that Snakemake knows as an output lies in records/.
     run = hardware.snakemake("study", "--delete-all-output", "--dry-run")
     assert "records/" not in run.stdout + run.stderr

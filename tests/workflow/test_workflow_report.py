@@ -49,7 +49,7 @@ def test_the_report_opens_with_the_findings_and_says_how_each_result_was_made(st
         assert (study.parent / link).exists(), link
     figures = text.count("<figcaption>")
     assert figures == text.count("how it was made</summary>")
-    assert text.count("rule figures_measurement") == 2  # one for each actuator
+    assert text.count("rule figures_actuator") == 10  # five for each actuator
     assert not re.search(r"{{|{%|\*\*|\|---", text)
 
 

@@ -15,12 +15,14 @@ class Group:
     sources: the files that they are made from, as of a rule's input
     path: where each goes, without the ending; {name} stands for its name
     system: whose they are, as the report says
+    among: the systems that {system} may stand for
     members: the lines of the group in workflow/figures.yaml or tables.yaml, by name
     """
 
     sources: object
     path: str
     system: str
+    among: list = field(default_factory=lambda: [*ACTUATORS, *CASES])
     members: dict = field(default_factory=dict)
 
     def files(self, *kinds, **wildcards):
@@ -47,6 +49,16 @@ class Group:
     def modules(self, room):
         """The modules of the members, one each."""
         return [f"dea.{room}.{name}" for name in self.members]
+
+
+def of_one(datasets, folder, among):
+    """A group of figures of one system, whose files go to this folder."""
+    return Group(
+        sources=[f"results/{{system}}/{dataset}.nc" for dataset in datasets],
+        path=f"results/figures/{folder}/{{name}}_{{system}}",
+        system="{system}",
+        among=list(among),
+    )
 
 
 def pages(name, datasets, path, systems, most):

@@ -5,37 +5,16 @@ FIRST = next(iter(ACTUATORS))
 RESPONSES = pages(
     "responses", ["record", "gfrf"], "results/figures/{name}", list(ACTUATORS), 6
 )
+OF_EACH = ["record", "orders", "validation", "track"]
+UNCONFIRMED = [name for name in ACTUATORS if name not in CONFIRMED]
 FIGURES = filled(
     "figures",
     {
-        # Apart, since it alone shows a stretch that the config names.
-        "measurement": Group(
-            sources="results/{system}/record.nc",
-            path="results/figures/actuators/{name}_{system}",
-            system="{system}",
-        ),
-        "actuator": Group(
-            sources=expand(
-                "results/{{system}}/{dataset}.nc",
-                dataset=["record", "orders", "validation", "track"],
-            ),
-            path="results/figures/actuators/{name}_{system}",
-            system="{system}",
-        ),
-        "case": Group(
-            sources=expand(
-                "results/{{system}}/{dataset}.nc",
-                dataset=["record", "orders", "validation", "track", "gfrf"],
-            ),
-            path="results/figures/cases/{name}_{system}",
-            system="{system}",
-        ),
+        "actuator": of_one([*OF_EACH, "confirmation"], "actuators", CONFIRMED),
+        "unconfirmed": of_one(OF_EACH, "actuators", UNCONFIRMED),
+        "case": of_one([*OF_EACH, "gfrf"], "cases", CASES),
+        "control": of_one(["control"], "actuators", VIRTUAL),
         **RESPONSES,
-        "confirmation": Group(
-            sources="results/{system}/confirmation.nc",
-            path="results/figures/actuators/{name}_{system}",
-            system="{system}",
-        ),
         "link": Group(
             sources=of_every_actuator("results/{actuator}/link.nc"),
             path="results/figures/{name}",
@@ -45,11 +24,6 @@ FIGURES = filled(
             sources="results/recovery.nc",
             path="results/figures/{name}",
             system="all",
-        ),
-        "control": Group(
-            sources="results/{system}/control.nc",
-            path="results/figures/actuators/{name}_{system}",
-            system="{system}",
         ),
         "discrepancy": Group(
             sources=expand(
@@ -71,14 +45,13 @@ FIGURES = filled(
         ),
     },
 )
-# Figures of each actuator.
-OWN = [*FIGURES["measurement"].members, *FIGURES["actuator"].members]
+# Figures that every actuator has.
+OWN = list(FIGURES["unconfirmed"].members)
 EVERY_FIGURE = (
-    FIGURES["measurement"].files("png", "pdf", system=ACTUATORS)
-    + FIGURES["actuator"].files("png", "pdf", system=ACTUATORS)
+    FIGURES["actuator"].files("png", "pdf", system=CONFIRMED)
+    + FIGURES["unconfirmed"].files("png", "pdf", system=UNCONFIRMED)
     + expand("results/figures/{name}.{kind}", name=OWN, kind=["png", "pdf"])
     + [file for page in RESPONSES for file in FIGURES[page].files("png", "pdf")]
-    + FIGURES["confirmation"].files("png", "pdf", system=CONFIRMED)
     + FIGURES["link"].files("png", "pdf")
     + FIGURES["recovery"].files("png", "pdf")
 )
@@ -99,6 +72,8 @@ for name, group in FIGURES.items():
             f"results/figures/log/{name}_{group.system}.log",
         benchmark:
             f"results/figures/benchmark/{name}_{group.system}.tsv"
+        wildcard_constraints:
+            system=names(group.among),
         params:
             settings=figure_settings(group),
         shell:
