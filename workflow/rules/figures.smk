@@ -86,20 +86,21 @@ for name, group in FIGURES.items():
 # The paper shows its first actuator; so do the figures without a name.
 rule first_actuator:
     input:
-        png=f"results/figures/actuators/{{figure}}_{FIRST}.png",
-        pdf=f"results/figures/actuators/{{figure}}_{FIRST}.pdf",
+        originals=expand(
+            "results/figures/actuators/{name}_{first}.{kind}",
+            name=OWN,
+            first=FIRST,
+            kind=["png", "pdf"],
+        ),
         code=modules("dea.stages.copy_files"),
     output:
-        png="results/figures/{figure}.png",
-        pdf="results/figures/{figure}.pdf",
+        copies=expand("results/figures/{name}.{kind}", name=OWN, kind=["png", "pdf"]),
     log:
-        "results/figures/log/{figure}.log",
+        "results/figures/log/first_actuator.log",
     benchmark:
-        "results/figures/benchmark/{figure}.tsv"
-    wildcard_constraints:
-        figure="|".join(OWN),
+        "results/figures/benchmark/first_actuator.tsv"
     shell:
         stage(
-            "copy_files --originals {input.png:q} {input.pdf:q}"
-            " --copies {output.png:q} {output.pdf:q} 2> {log:q}"
+            "copy_files --originals {input.originals:q}"
+            " --copies {output.copies:q} 2> {log:q}"
         )
