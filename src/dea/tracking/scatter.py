@@ -15,7 +15,7 @@ largest of the directions, are left as they are, lest records in which nothing s
 """
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from dea.arrays import Array
 from dea.narx import LEVEL, quantile
@@ -75,7 +75,7 @@ def _degrees_of_freedom(centre: Array) -> float:
 
 def _uncertain(ratio: Array, freedom: float) -> Array:
     """Return ratios of variances such that a normal quantile of them is Student's of the ratios."""
-    wider = float(stats.t.ppf(0.5 + 0.5 * LEVEL, freedom) / quantile(LEVEL)) ** 2
+    wider = float(stdtrit(freedom, 0.5 + 0.5 * LEVEL) / quantile(LEVEL)) ** 2
     return np.where(ratio > _by_chance(ratio.size, freedom), wider * ratio, ratio)
 
 
