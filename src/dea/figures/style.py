@@ -141,10 +141,13 @@ def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
 
 def page_figure(width: float, height: float) -> Figure:
     """Return an empty figure of this many mm, with constrained layout."""
-    return Figure(
+    figure = Figure(
         figsize=(width / _MM_PER_INCH, height / _MM_PER_INCH),
         layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03),
     )
+    # It keeps what measures text; without it every label of a contour makes one of its own.
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def cut(ax: Axes, low: float, high: float, reached: tuple[float, float]) -> None:
@@ -165,7 +168,6 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     The files hold no dates and no names of programs, but name the job that draws them: the same
     job gives the same bytes.
     """
-    FigureCanvasAgg(figure)
     figure.set_dpi(resolution)
     engine = figure.get_layout_engine()
     if engine is not None:
