@@ -24,9 +24,9 @@ def figures(
 
     found = store.Sources(sources)
     for (name, options), *paths in zip(settings["figures"].items(), png, pdf, strict=True):
+        gc.collect(1)  # the figure before, a hundred megabytes, whose parts refer to each other
         draw: Callable[..., Figure] = import_module(f"dea.figures.{name}").draw
         style.save(draw(found, **options), paths, settings["resolution"])
-        gc.collect(1)  # the figure, a hundred megabytes, whose parts refer to each other
 
 
 if __name__ == "__main__":
