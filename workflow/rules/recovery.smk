@@ -9,6 +9,8 @@ rule recover:
         "results/log/recover.log",
     benchmark:
         "results/benchmark/recover.tsv"
+    # Beside the first record: what two jobs call for the first time at once, both compile.
+    priority: 2
     params:
         settings=settings("recovery"),
     shell:
