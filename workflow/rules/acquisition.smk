@@ -5,8 +5,8 @@ include: "../functions/acquisition.smk"
 # what was learnt from the first, and a probed one, the study's with multisines in three places, that
 # confirms frequency responses. A virtual actuator is driven by a rule. A record of
 # hardware is made by `make record` and is no output of a rule, so that nothing here deletes it.
-# The longest chain of jobs leads from the record over model and track to the responses: it goes
-# first, so that no core waits for its last jobs.
+# The longest chains of jobs lead from records over model and track to figures: they go first, so
+# that no core waits for their last jobs.
 
 
 rule acquire:
@@ -53,7 +53,6 @@ use rule acquire as acquire_probed with:
         "results/{actuator}/log/acquire_probed.log",
     benchmark:
         "results/{actuator}/benchmark/acquire_probed.tsv"
-    priority: 0
     params:
         settings=acquisition_settings("probed"),
 

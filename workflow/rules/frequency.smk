@@ -35,6 +35,7 @@ rule confirm:
         "results/{actuator}/log/confirm.log",
     benchmark:
         "results/{actuator}/benchmark/confirm.tsv"
+    priority: 1
     params:
         settings=settings("gfrf.tracker"),
     shell:

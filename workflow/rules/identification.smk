@@ -12,6 +12,7 @@ rule orders:
         "results/{system}/log/orders.log",
     benchmark:
         "results/{system}/benchmark/orders.tsv"
+    priority: 1
     params:
         # The figure marks the degree that was chosen.
         settings=settings(
@@ -79,6 +80,7 @@ rule validate:
         "results/{system}/log/validate.log",
     benchmark:
         "results/{system}/benchmark/validate.tsv"
+    priority: 1
     params:
         settings=settings(*STRETCH, "validation"),
     shell:
