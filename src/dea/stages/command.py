@@ -42,8 +42,8 @@ def run(
     # Else the interpreter, as it ends, searches all that was imported for cycles to free, for up to
     # half a second.
     atexit.register(gc.freeze)
-    # Else it searches hundreds of times while a stage imports, for a tenth of a second, among objects
-    # that all stay.
+    # Else it searches hundreds of times while a stage imports, for a tenth of a second, among
+    # objects that all stay.
     gc.set_threshold(10_000)
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
