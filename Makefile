@@ -74,9 +74,9 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 	python -m dea.stages.record $(call option,excitation,EXCITATION) $(call option,operator,OPERATOR) -- $(call quoted,$(NAME))
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
-# several inputs: INPUT=left:V,right:V.
+# several inputs: INPUT=left:V,right:V; of a workbook: SHEET=Data.
 INTAKE = python -m dea.stages.intake $(1) $(call option,input,INPUT) $(call option,output,OUTPUT) \
-	$(call option,time,TIME) $(call option,rate,RATE) $(call option,name,NAME) \
+	$(call option,time,TIME) $(call option,rate,RATE) $(call option,sheet,SHEET) $(call option,name,NAME) \
 	$(call option,simulation,SIMULATION) $(if $(FILE),-- $(call quoted,$(FILE)))
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv

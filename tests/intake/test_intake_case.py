@@ -105,6 +105,25 @@ def test_a_record_for_a_simulation_keeps_the_input_that_a_threshold_acted_on(fol
     np.testing.assert_allclose(store.signals(store.import_record(content["record"])).u, u)
 
 
+def test_the_sheet_of_a_workbook_is_named_once(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    with pd.ExcelWriter("lab.xlsx") as file:
+        (table * [1.0, 1.0, 2.0]).to_excel(file, sheet_name="Run 1", index=False)
+        table.to_excel(file, sheet_name="Run 2", index=False)
+    assert main(["lab.xlsx"]) == 2
+    assert "lab.xlsx: several of its sheets" in capsys.readouterr().err
+    assert main(["lab.xlsx", "--sheet", "Run 2"]) == 0
+    case = folder / "config" / "cases" / "lab.yaml"
+    assert "make case FILE=lab.xlsx \"SHEET=Run 2\"" in case.read_text()
+    assert main(["lab.xlsx"]) == 0  # as before
+    record = yaml.safe_load(case.read_text())["record"]
+    assert record["sheet"] == "Run 2"
+    y = store.signals(store.import_record(record)).y
+    assert np.nanmax(y) == pytest.approx(table["y (mm)"].max(), rel=0.1)
+    assert main(["mine.csv", "--sheet", "Run 2"]) == 2
+    assert "mine.csv: it has no sheets, and 'Run 2' is named" in capsys.readouterr().err
+
+
 def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
     table = pd.read_csv("mine.csv")
     table.insert(0, "clock", [f"12:00:{k // 20:02d}" for k in range(len(table))])

@@ -625,9 +625,12 @@ def test_a_workbook_holds_one_sheet_of_a_record(tmp_path):
     sheets["Run 2"] = record[:4]
     write()
     with pytest.raises(
-        InputError, match=r"mine\.xlsx: several .*: 'Data', 'Run 2'\. Save the sheet"
+        InputError, match=r"mine\.xlsx: several .*: 'Data', 'Run 2'\. Name the one .*SHEET="
     ):
         read_foreign(tmp_path / "mine.xlsx")
+    assert read_foreign(tmp_path / "mine.xlsx", "Run 2").columns["u"].size == 3
+    with pytest.raises(InputError, match=r"no sheet 'data'\. Its sheets are 'Info', .*'Run 2'"):
+        read_foreign(tmp_path / "mine.xlsx", "data")
     sheets["Run 2"] = record[:3]
     write()
     assert read_foreign(tmp_path / "mine.xlsx").columns["u"].size == 9

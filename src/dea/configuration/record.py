@@ -89,6 +89,7 @@ class RecordFile(RecordColumns):
         "text table (.csv, .txt, .dat), NetCDF, MATLAB, .xlsx or .parquet file, relative to the"
         " project"
     )
+    sheet: str | None = key("which sheet of an .xlsx file, where several hold tables", default=None)
 
 
 def is_part_of(test: Mapping[str, Any], record: Mapping[str, Any]) -> bool:

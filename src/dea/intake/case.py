@@ -51,15 +51,17 @@ def infer_case(
     ------
     dea.intake.UnansweredError
         Where the file does not say what its columns are.
+    dea.store.SeveralSheetsError
+        Where a workbook does not say which of its sheets holds the record.
     InputError
         If it cannot be read, or its record is not usable.
     """
     if not file.is_file():
         problem = "it is no file" if file.exists() else "it does not exist"
         raise InputError(problem, file=file, remedy="Correct the path")
-    table = store.read_foreign(file)
+    table = store.read_foreign(file, answers.sheet)
     roles = find_roles(table, answers, file, goal, given or {})
-    record = _described(file, roles)
+    record = _described(file, answers.sheet, roles)
     try:
         time = _times(table, roles)
         known = _known(table, roles, time)
@@ -86,8 +88,8 @@ def infer_case(
     return Inferred(content, (*roles.inferred, *notes, *settings.inferred))
 
 
-def _described(file: Path, roles: Roles) -> dict[str, Any]:
-    record: dict[str, Any] = {"file": str(file)}
+def _described(file: Path, sheet: str | None, roles: Roles) -> dict[str, Any]:
+    record: dict[str, Any] = {"file": str(file)} | ({"sheet": sheet} if sheet is not None else {})
     if roles.time is not None:
         record["time"] = _column(roles.time)
     if len(roles.inputs) == 1:

@@ -96,6 +96,7 @@ def earlier_answers(file: Path, case: Path) -> Answers:
         output=_told(record.output),
         time=_told(record.time) if record.time else None,
         rate=1.0 / record.sampling_interval if record.sampling_interval else None,
+        sheet=record.sheet,
     )
 
 

@@ -39,12 +39,15 @@ class Answers:
         The same of the time column.
     rate
         Samples per second.
+    sheet
+        Of a workbook, that which holds the record.
     """
 
     input: str | None = None
     output: str | None = None
     time: str | None = None
     rate: float | None = None
+    sheet: str | None = None
 
 
 @dataclass(frozen=True)

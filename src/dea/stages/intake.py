@@ -41,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--output", metavar="COLUMN:UNITS")
     parser.add_argument("--time", metavar="COLUMN:UNITS")
     parser.add_argument("--rate", metavar="HZ")
+    parser.add_argument("--sheet")
     parser.add_argument("--name")
     parser.add_argument("--simulation", metavar="FILE.py")
     parser.add_argument("--goal", default="case", help="target of make, for questions")
@@ -48,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     given = {
         key.upper(): str(value)
-        for key in ("file", "input", "output", "time", "rate", "name", "simulation")
+        for key in ("file", "input", "output", "time", "rate", "sheet", "name", "simulation")
         if (value := getattr(options, key)) is not None
     }
     try:
@@ -60,14 +61,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(options.name)
             return 0
         name = case_name(options.file, options.name)
-        answers = Answers(options.input, options.output, options.time, _rate(options.rate))
+        answers = Answers(options.input, options.output, options.time, _rate(options.rate), options.sheet)
         infer = partial(
             infer_case, options.file,
             simulation=options.simulation, goal=options.goal, given=given,
         )  # fmt: skip
         try:
             inferred = infer(answers)
-        except UnansweredError:
+        except (UnansweredError, store.SeveralSheetsError):
             earlier = earlier_answers(options.file, _CASES / f"{name}.yaml")
             if answers != Answers() or earlier == Answers():
                 raise

@@ -5,7 +5,12 @@ from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
+from dea.store.foreign_files import (
+    ForeignTable,
+    SeveralSheetsError,
+    plain_units,
+    read_foreign,
+)
 from dea.store.record import (
     Record,
     Text,
@@ -26,6 +31,7 @@ __all__ = [
     "Described",
     "ForeignTable",
     "Record",
+    "SeveralSheetsError",
     "Sources",
     "Text",
     "Variable",

@@ -35,8 +35,8 @@ def import_record(
     settings
         The case's ``record``: ``file`` (relative to ``root``), ``input`` and ``output`` (each
         ``column``, ``units``, ``name``), or in place of ``input`` a list of ``inputs``, and either
-        a ``time`` column or a ``sampling_interval`` in seconds; optionally ``rows`` =
-        [first, last + 1], and ``resample``, the time in seconds to which samples that jitter are
+        a ``time`` column or a ``sampling_interval`` in seconds; optionally the ``sheet`` of a
+        workbook, ``rows`` = [first, last + 1], and ``resample``, the time in seconds to which samples that jitter are
         interpolated and closer ones averaged.
     case_file, place
         Named in error messages, where the settings come from one, and their key in it.
@@ -62,7 +62,7 @@ def import_record(
             remedy="Correct the path, or fetch the public records with `make records`",
         )
     named, it = (case_file, str(file)) if case_file else (file, "it")
-    table = _read(file, case_file, f"{below}file")
+    table = _read(file, described.sheet, case_file, f"{below}file")
     columns, units = table.columns, table.units
     rows = slice(*(described.rows or (None,)))
 
@@ -139,9 +139,11 @@ def _of_column(values: np.ndarray, column: "Column") -> Described:
     return variable("time", values, column.units, column.name or column.column)
 
 
-def _read(file: Path, case_file: Path | None, field: str) -> ForeignTable:
+def _read(
+    file: Path, sheet: str | None, case_file: Path | None, field: str
+) -> ForeignTable:
     try:
-        return read_foreign(file)
+        return read_foreign(file, sheet)
     except InputError as error:
         if case_file is None:
             raise

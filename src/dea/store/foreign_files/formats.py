@@ -20,14 +20,21 @@ from dea.store.foreign_files.headings import (
 from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
 from dea.store.foreign_files.text import read_text
 
+_WORKBOOK = ".xlsx"
 _FEWEST = 3  # rows of a table that may be a record
 
 
-def read_foreign(file: Path) -> ForeignTable:
-    """Read a file by its ending (:data:`FORMATS`).
+class SeveralSheetsError(InputError):
+    """A workbook several of whose sheets may hold the record, and none of which is named."""
+
+
+def read_foreign(file: Path, sheet: str | None = None) -> ForeignTable:
+    """Read a file by its ending (:data:`FORMATS`), of a workbook the ``sheet`` of that name.
 
     Raises
     ------
+    SeveralSheetsError
+        If none is named, and several may hold a record.
     InputError
         If the ending is none of them, or the file cannot be read as what it says.
     """
@@ -38,10 +45,14 @@ def read_foreign(file: Path) -> ForeignTable:
             file=file,
             remedy=f"Use one of {', '.join(FORMATS)}",
         )
+    if sheet is not None and suffix != _WORKBOOK:
+        raise InputError(
+            f"it has no sheets, and {sheet!r} is named", file=file, remedy="Leave the sheet out"
+        )
     try:
-        return FORMATS[suffix](file)
+        return FORMATS[suffix](file) if sheet is None else _read_sheet(file, sheet)
     except InputError as error:
-        raise InputError(error.problem, file=file, remedy=error.remedy) from error
+        raise type(error)(error.problem, file=file, remedy=error.remedy) from error
     except ImportError as error:
         package = error.name or "pyarrow"  # pandas names none of its own
         raise InputError(
@@ -62,20 +73,29 @@ def read_foreign(file: Path) -> ForeignTable:
         ) from error
 
 
-def _read_sheet(file: Path) -> ForeignTable:
-    """Read the only sheet, or of several the only one that may hold a record.
+def _read_sheet(file: Path, named: str | None = None) -> ForeignTable:
+    """Read the sheet that is named, the only one, or the only one that may hold a record.
 
     Raises
     ------
-    InputError
+    SeveralSheetsError
         Naming the sheets, if several may.
+    InputError
+        If there is none of that name.
     """
     sheets = pd.read_excel(file, header=None, sheet_name=None)
+    if named is not None:
+        if named not in sheets:
+            raise InputError(
+                f"it has no sheet {named!r}",
+                remedy=f"Its sheets are {', '.join(map(repr, sheets))}",
+            )
+        return _of_cells(sheets[named])
     tables = [name for name, cells in sheets.items() if _holds_a_table(cells)]
     if len(tables) > 1:
-        raise InputError(
+        raise SeveralSheetsError(
             f"several of its sheets hold tables of numbers: {', '.join(map(repr, tables))}",
-            remedy="Save the sheet of the record as a file of its own",
+            remedy="Name the one of the record: `SHEET=`, or `sheet` of the record in its case",
         )
     return _of_cells(sheets[tables[0] if tables else next(iter(sheets))])
 
@@ -214,6 +234,6 @@ FORMATS: dict[str, Callable[[Path], ForeignTable]] = {
     ".lvm": read_text,
     ".nc": _read_netcdf,
     ".mat": _read_matlab,
-    ".xlsx": _read_sheet,
+    _WORKBOOK: _read_sheet,
     ".parquet": _read_parquet,
 }
