@@ -30,7 +30,7 @@ def read(folder, text, name="mine.csv", encoding="utf-8"):
     ("text", "clock"),
     [
         ("0:00:01", True), ("123:59:59,25", True), ("23:59:59.", True), ("1234:00:00", False),
-        ("12:34", False), ("12:34:56:7", False), ("x 12:34:56", False),
+        ("12:34", False), ("12:34.5", True), ("12:34:56:7", False), ("x 12:34:56", False),
         ("2024-01-31", True), ("31.12.2023 10:00", True), ("1/2/24T5", True), ("2024.01", False),
         ("12.5", False), ("20240131", False), ("1-2-20245", False), ("12345-01-01", False),
     ],

@@ -61,7 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(options.name)
             return 0
         name = case_name(options.file, options.name)
-        answers = Answers(options.input, options.output, options.time, _rate(options.rate), options.sheet)
+        said = options.input, options.output, options.time, _rate(options.rate), options.sheet
+        answers = Answers(*said)
         infer = partial(
             infer_case, options.file,
             simulation=options.simulation, goal=options.goal, given=given,

@@ -36,8 +36,8 @@ def import_record(
         The case's ``record``: ``file`` (relative to ``root``), ``input`` and ``output`` (each
         ``column``, ``units``, ``name``), or in place of ``input`` a list of ``inputs``, and either
         a ``time`` column or a ``sampling_interval`` in seconds; optionally the ``sheet`` of a
-        workbook, ``rows`` = [first, last + 1], and ``resample``, the time in seconds to which samples that jitter are
-        interpolated and closer ones averaged.
+        workbook, ``rows`` = [first, last + 1], and ``resample``, the time in seconds to which
+        samples that jitter are interpolated and closer ones averaged.
     case_file, place
         Named in error messages, where the settings come from one, and their key in it.
 

@@ -1,15 +1,17 @@
 """Columns of dates and of times of day, as seconds since the first, and of durations."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-DAY = 86_400.0
+DAY, _HOUR = 86_400.0, 3600.0
 _CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d*)?)(?:\s*([AP])M)?$", re.IGNORECASE)
+# As a spreadsheet shows times below a second.
+_MINUTES = re.compile(r"^(\d{1,3}):(\d{2}[.,]\d+)$")
 _DATE = re.compile(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}$")
 # As people write dates; what is tried first is ISO 8601.
 _FORMATS = "ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M"
@@ -20,8 +22,9 @@ _SLASHED = ("%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
 
 
 def is_clock(text: str) -> bool:
-    """Tell whether a field holds a time of day or begins with a date."""
-    return bool(_CLOCK.match(text) or re.match(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}(\D|$)", text))
+    """Tell whether a field holds a time of day, or in an hour, or begins with a date."""
+    of_day = _CLOCK.match(text) or _MINUTES.match(text)
+    return bool(of_day or re.match(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}(\D|$)", text))
 
 
 def seconds(column: pd.Series) -> NDArray[np.float64] | None:
@@ -29,9 +32,9 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
 
     Durations are the seconds that they last.
 
-    A time of day that falls back has passed midnight. Of a date that may begin with the day or with
-    the month that reading is taken whose longest step is shorter: days follow each other, not
-    months.
+    A time of day that falls back has passed midnight, minutes and seconds the full hour. Of a date
+    that may begin with the day or with the month that reading is taken whose longest step is
+    shorter: days follow each other, not months.
     """
     if pd.api.types.is_datetime64_any_dtype(column):
         return _since_first(column)
@@ -41,8 +44,11 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
     given = given[given != ""]
     if given.empty:
         return None
+    texts, there = column.astype(str).str.strip(), column.notna().to_numpy()
     if all(map(_CLOCK.match, given)):
-        return _of_day(column.astype(str).str.strip(), column.notna().to_numpy())
+        return _passed(texts, there, _of_day, DAY)
+    if all(map(_MINUTES.match, given)):
+        return _passed(texts, there, _of_hour, _HOUR)
     if not is_clock(given.iloc[0]):
         return None
     pointed = given.str.replace(",", ".")
@@ -95,15 +101,29 @@ def _since_first(times: pd.Series) -> NDArray[np.float64]:
     return np.asarray(passed.dt.total_seconds().to_numpy(), float)
 
 
-def _of_day(texts: pd.Series, given: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _passed(
+    texts: pd.Series, there: NDArray[np.bool_], read: Callable[[str], float], period: float
+) -> NDArray[np.float64]:
+    """Return seconds since the first of times that begin anew after a ``period`` in seconds."""
     told = np.full(texts.size, np.nan)
-    for i in np.flatnonzero(given):
-        found = _CLOCK.match(texts.iloc[i])
-        if found is not None:
-            hours, minutes, rest, half = found.groups()
-            hour = int(hours) if half is None else int(hours) % 12 + 12 * (half in "Pp")
-            told[i] = 3600 * hour + 60 * int(minutes) + float(rest.replace(",", "."))
+    told[there] = [read(text) for text in texts[there]]
     known = np.flatnonzero(np.isfinite(told))
-    midnights = np.cumsum(np.diff(told[known], prepend=told[known[0]]) < -DAY / 2)
-    told[known] += DAY * midnights - told[known[0]]
+    begun = np.cumsum(np.diff(told[known], prepend=told[known[0]]) < -period / 2)
+    told[known] += period * begun - told[known[0]]
     return told
+
+
+def _of_day(text: str) -> float:
+    found = _CLOCK.match(text)
+    if found is None:
+        return np.nan
+    hours, minutes, rest, half = found.groups()
+    hour = int(hours) if half is None else int(hours) % 12 + 12 * (half in "Pp")
+    return 3600 * hour + 60 * int(minutes) + float(rest.replace(",", "."))
+
+
+def _of_hour(text: str) -> float:
+    found = _MINUTES.match(text)
+    if found is None:
+        return np.nan
+    return 60 * int(found[1]) + float(found[2].replace(",", "."))
