@@ -114,7 +114,7 @@ def test_the_sheet_of_a_workbook_is_named_once(folder, capsys):
     assert "lab.xlsx: several of its sheets" in capsys.readouterr().err
     assert main(["lab.xlsx", "--sheet", "Run 2"]) == 0
     case = folder / "config" / "cases" / "lab.yaml"
-    assert "make case FILE=lab.xlsx \"SHEET=Run 2\"" in case.read_text()
+    assert 'make case FILE=lab.xlsx "SHEET=Run 2"' in case.read_text()
     assert main(["lab.xlsx"]) == 0  # as before
     record = yaml.safe_load(case.read_text())["record"]
     assert record["sheet"] == "Run 2"

@@ -139,9 +139,7 @@ def _of_column(values: np.ndarray, column: "Column") -> Described:
     return variable("time", values, column.units, column.name or column.column)
 
 
-def _read(
-    file: Path, sheet: str | None, case_file: Path | None, field: str
-) -> ForeignTable:
+def _read(file: Path, sheet: str | None, case_file: Path | None, field: str) -> ForeignTable:
     try:
         return read_foreign(file, sheet)
     except InputError as error:
