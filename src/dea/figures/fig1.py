@@ -11,8 +11,9 @@ from dea.figures.bench_drawing import draw_bench, draw_cone
 from dea.store import Record, Sources, signals
 
 _FIGURE = "The figure of a record"
-# Samples that are drawn as points of size one (square points), and the sizes of more and of fewer.
-_DENSE, _SIZES = 20000, (0.25, 4.0)
+# Samples that show output against input at most: more cover each other. Samples that
+# are drawn as points of size one (square points), and the sizes of more and of fewer.
+_MOST, _DENSE, _SIZES = 30_000, 20_000, (0.25, 4.0)
 
 
 def draw(sources: Sources, zoom: tuple[float, float]) -> Figure:
@@ -93,12 +94,12 @@ def _whole_record(top: Axes, bottom: Axes, whole: Record, zoom: tuple[float, flo
 def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
     unit, name = style.clock(whole.time)
     # In no order of time, so that late samples do not hide early ones; the same each time.
-    order = np.random.default_rng(0).permutation(whole.time.size)
+    order = np.random.default_rng(0).permutation(whole.time.size)[:_MOST]
     points = ax.scatter(
         whole.u[order],
         whole.y[order],
         c=whole.time[order] / unit,
-        s=float(np.clip(_DENSE / whole.time.size, *_SIZES)),
+        s=float(np.clip(_DENSE / order.size, *_SIZES)),
         lw=0,
         cmap=style.TIME_MAP,
         rasterized=True,
