@@ -117,9 +117,9 @@ class Rules(Section):
     law_error: Share = key("part of the gap that the law of a right effect may leave", default=0.05)
     certain: Share = key("presence from which an effect is certain", default=0.9)
     part: Share = key(
-        "part of the held-out gap that a certain part must remove, and an effect that the evidence"
-        " alone names; also the part of what the others leave that each of several effects must"
-        " remove",
+        "part of the held-out gap that a certain part must remove, by itself or in the best"
+        " explanation that holds it, and an effect that the evidence alone names; also the part of"
+        " what the others leave that each of several effects must remove",
         default=0.5,
     )
     ahead: Share = key(

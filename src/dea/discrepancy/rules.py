@@ -52,8 +52,9 @@ class Rules:
         Presence from which an effect, or a family of effects, is certain.
     part
         Part of the held-out gap that a certain part must remove, at the lower end of its interval,
-        and an effect that the evidence alone names, by its value; also the part of what the others
-        leave that each of several effects must remove to be named with them.
+        by itself or with the others of the best explanation that holds it, and an effect that the
+        evidence alone names, by its value; also the part of what the others leave that each of
+        several effects must remove to be named with them.
     ahead
         Part by which a certain part must leave less misfit than any explanation without its family.
     at_bound
