@@ -17,7 +17,7 @@ from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import InputInterpolation, at_steps
 from dea.simulation.normalisation import Normalisation
-from dea.simulation.parameter import Parameter
+from dea.simulation.parameter import Parameter, Scaling
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import UNFILTERED
 from dea.simulation.signatures import SLOTS
@@ -139,6 +139,16 @@ class ExtendedSimulation:
         return np.array([i for i, p in enumerate(self.parameters) if p.spread > 0])
 
     @cached_property
+    def _nominal(self) -> np.ndarray:
+        """Nominal values of all parameters."""
+        return np.array([p.nominal for p in self.parameters])
+
+    @cached_property
+    def _scaling(self) -> Scaling:
+        """Of the free coordinates."""
+        return Scaling.of([self.parameters[i] for i in self.free])
+
+    @cached_property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds of the free coordinates.
 
@@ -197,9 +207,8 @@ class ExtendedSimulation:
 
     def values(self, coordinates: np.ndarray) -> np.ndarray:
         """Return all parameter values at free ``coordinates``; known ones stay nominal."""
-        result = np.array([p.nominal for p in self.parameters])
-        for i, coordinate in zip(self.free, coordinates, strict=True):
-            result[i] = self.parameters[i].value(coordinate)
+        result = self._nominal.copy()
+        result[self.free] = self._scaling.values(coordinates)
         return result
 
     def coordinates(self, values: np.ndarray) -> np.ndarray:

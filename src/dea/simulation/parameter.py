@@ -1,5 +1,6 @@
 """A quantity that a fit may change: its unit, prior and bounds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -70,9 +71,7 @@ class Parameter:
 
     def value(self, coordinate: float) -> float:
         """Return the value at a ``coordinate`` counted in spreads from the nominal value."""
-        step = self.spread * coordinate
-        value = self.nominal * float(np.exp(min(step, 50.0))) if self.log else self.nominal + step
-        return min(max(value, self.low), self.high)
+        return float(Scaling.of([self]).values(np.array([coordinate]))[0])
 
     def coordinate(self, value: float) -> float:
         """Return how many spreads ``value`` is away from the nominal value."""
@@ -88,3 +87,33 @@ class Parameter:
             self.coordinate(low) if np.isfinite(low) else -np.inf,
             self.coordinate(self.high) if np.isfinite(self.high) else np.inf,
         )
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """How the coordinates of several parameters become values; each field has the shape (k,)."""
+
+    nominal: np.ndarray
+    spread: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    log: np.ndarray
+
+    @classmethod
+    def of(cls, parameters: Sequence[Parameter]) -> "Scaling":
+        """Return that of these parameters."""
+        return cls(
+            nominal=np.array([p.nominal for p in parameters]),
+            spread=np.array([p.spread for p in parameters]),
+            low=np.array([p.low for p in parameters]),
+            high=np.array([p.high for p in parameters]),
+            log=np.array([p.log for p in parameters], dtype=bool),
+        )
+
+    def values(self, coordinates: np.ndarray) -> np.ndarray:
+        """Return the values (k,) at coordinates counted in spreads from the nominal values."""
+        steps = self.spread * coordinates
+        factors = np.exp(np.where(self.log, np.minimum(steps, 50.0), 0.0))
+        moved = np.where(self.log, self.nominal * factors, self.nominal + steps)
+        result: np.ndarray = np.minimum(np.maximum(moved, self.low), self.high)
+        return result
