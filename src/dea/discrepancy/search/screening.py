@@ -24,11 +24,13 @@ _NOTHING, _FAR = 0.3, 6.0
 class Base:
     """A fit to start from, what its parameters cannot absorb of a change, and of its residual.
 
-    ``motions`` are the lowest and highest position at each force port, without any effect. Two fits
-    of one simulation, with other zeros of the sensor, may have no position in common.
+    ``output`` (n,) is its output before gain, zero and effects of the sensor. ``motions`` are the
+    lowest and highest position at each force port, without any effect. Two fits of one simulation,
+    with other zeros of the sensor, may have no position in common.
     """
 
     fit: Fit
+    output: np.ndarray
     remainder: Callable[[np.ndarray], np.ndarray]
     left: np.ndarray
     motions: tuple[tuple[float, float], ...]
@@ -39,7 +41,21 @@ class Base:
         remainder = unabsorbed(fitted.jacobian[problem.seen], problem.noise)
         ports = range(len(fitted.extended.simulation.force_ports))
         motions = (motion(fitted.extended, fitted.values, problem, port) for port in ports)
-        return cls(fitted, remainder, remainder(fitted.residual[problem.seen]), tuple(motions))
+        return cls(
+            fit=fitted,
+            output=problem.moved(fitted.extended, fitted.values),
+            remainder=remainder,
+            left=remainder(fitted.residual[problem.seen]),
+            motions=tuple(motions),
+        )
+
+    def residual(
+        self, problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray
+    ) -> np.ndarray:
+        """Return that of a simulation with one law more, all else being as in this fit, (n,)."""
+        added = extended.attached[len(self.fit.extended.attached) :]
+        output = self.output if all(a.effect.only_reads for a in added) else None
+        return problem.residual(extended, extended.values(coordinates), output)
 
 
 @dataclass(frozen=True)
@@ -107,7 +123,7 @@ def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) 
 
 def _promised(problem: Problem, base: Base, extended: ExtendedSimulation, law: np.ndarray) -> Start:
     placed = extended.coordinates(np.concatenate([base.fit.values, law]))
-    residual = problem.residual(extended, extended.values(placed))
+    residual = base.residual(problem, extended, placed)
     explained = -1.0
     if np.isfinite(residual).all():
         change = base.remainder((base.fit.residual - residual)[problem.seen])
@@ -165,7 +181,7 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
             for end in (max(low[i], -_FAR), min(high[i], _FAR)):
                 moved = placed.copy()
                 moved[i] = end
-                change = problem.residual(extended, extended.values(moved)) - base.fit.residual
+                change = base.residual(problem, extended, moved) - base.fit.residual
                 size = rmse(change, seen)
                 if size < least:
                     least = size
