@@ -56,7 +56,7 @@ class Ladder:
     contributions: tuple[Contribution, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis:
     """Everything a diagnosis finds; ``verdict`` is its summary.
 
@@ -111,6 +111,11 @@ class Diagnosis:
     def verdict(self) -> Verdict:
         """The summary in numbers and words."""
         return verdict_of(self)
+
+    def __repr__(self) -> str:
+        """Return status, effects and sentence: its arrays would fill many pages."""
+        names = ", ".join(self.verdict.names)
+        return f"<Diagnosis {self.verdict.status}: {names or 'no effect'}. {self.verdict.sentence}>"
 
     @cached_property
     def uncertainty(self) -> Uncertainty:
