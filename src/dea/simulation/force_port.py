@@ -26,8 +26,8 @@ class ForcePort:
     """
 
     equation: str
-    position: str | None
-    velocity: str | None
+    position: str | None = None
+    velocity: str | None = None
     rest: float = 0.0
     reaction: str | None = None
     divisor: str | None = None
