@@ -10,6 +10,7 @@ import yaml
 from scipy.io import savemat
 from scipy.signal import lfilter
 
+import dea
 from dea import store
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
@@ -43,7 +44,7 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     assert capsys.readouterr().out == "mine\n"
     file = folder / "config" / "cases" / "mine.yaml"
     assert "# a missing stretch of 0.5" in file.read_text()
-    assert "# Times are in s, frequencies in Hz, lags in samples" in file.read_text()
+    assert "# Times are in s, lags in samples, frequencies in shares of" in file.read_text()
     content = yaml.safe_load(file.read_text())
     study = check_study(read_yaml("config/config.yaml", what="", example=""))
     case = check_case(content, study, file)
@@ -105,21 +106,31 @@ def test_a_record_for_a_simulation_keeps_the_input_that_a_threshold_acted_on(fol
     np.testing.assert_allclose(store.signals(store.import_record(content["record"])).u, u)
 
 
-def test_the_sheet_of_a_workbook_is_named_once(folder, capsys):
+def test_each_sheet_of_a_workbook_is_a_case_of_its_own(folder, capsys):
     table = pd.read_csv("mine.csv")
+    table.columns = ["t (s)", "volts", "place"]
     with pd.ExcelWriter("lab.xlsx") as file:
-        (table * [1.0, 1.0, 2.0]).to_excel(file, sheet_name="Run 1", index=False)
+        (2.0 * table).to_excel(file, sheet_name="Run 1", index=False)
         table.to_excel(file, sheet_name="Run 2", index=False)
     assert main(["lab.xlsx"]) == 2
-    assert "lab.xlsx: several of its sheets" in capsys.readouterr().err
-    assert main(["lab.xlsx", "--sheet", "Run 2"]) == 0
-    case = folder / "config" / "cases" / "lab.yaml"
-    assert 'make case FILE=lab.xlsx "SHEET=Run 2"' in case.read_text()
-    assert main(["lab.xlsx"]) == 0  # as before
-    record = yaml.safe_load(case.read_text())["record"]
-    assert record["sheet"] == "Run 2"
-    y = store.signals(store.import_record(record)).y
-    assert np.nanmax(y) == pytest.approx(table["y (mm)"].max(), rel=0.1)
+    told = capsys.readouterr().err
+    assert "lab.xlsx: several of its sheets" in told
+    assert '`make case FILE=lab.xlsx "SHEET=Run 1"`' in told
+    answers = ["--input", "volts:V", "--output", "place:mm"]
+    assert main(["lab.xlsx", "--sheet", "Run 2", *answers]) == 0
+    assert capsys.readouterr().out == "lab_Run_2\n"
+    case = folder / "config" / "cases" / "lab_Run_2.yaml"
+    content = yaml.safe_load(case.read_text())
+    assert content["record"]["sheet"] == "Run 2"
+    assert content["title"] == "lab: Run 2"
+    y = store.signals(store.import_record(content["record"])).y
+    assert np.nanmax(y) == pytest.approx(table["place"].max(), rel=0.1)
+    assert main(["lab.xlsx", "--sheet", "Run 2"]) == 0, "its columns are not asked again"
+    assert main(["lab.xlsx", "--sheet", "Run 1", *answers, "--name", "lab_Run_2"]) == 2
+    assert "it is there already, for lab.xlsx, sheet 'Run 2'" in capsys.readouterr().err
+    columns = content["record"] | {"file": None}
+    del columns["file"]
+    assert dea.Record.read("lab.xlsx", **columns).y.size == y.size
     assert main(["mine.csv", "--sheet", "Run 2"]) == 2
     assert "mine.csv: it has no sheets, and 'Run 2' is named" in capsys.readouterr().err
 

@@ -625,7 +625,7 @@ def test_a_workbook_holds_one_sheet_of_a_record(tmp_path):
     sheets["Run 2"] = record[:4]
     write()
     with pytest.raises(
-        InputError, match=r"mine\.xlsx: several .*: 'Data', 'Run 2'\. Name the one .*SHEET="
+        InputError, match=r"mine\.xlsx: several .*: 'Data', 'Run 2'\. Name the one .*`sheet`"
     ):
         read_foreign(tmp_path / "mine.xlsx")
     assert read_foreign(tmp_path / "mine.xlsx", "Run 2").columns["u"].size == 3

@@ -41,6 +41,7 @@ class RecordColumns(Section):
     rows: Annotated[list[Whole], Field(min_length=2, max_length=2, strict=False)] | None = key(
         "first row, and one past the last; negative rows count from the end", default=None
     )
+    sheet: str | None = key("which sheet of an .xlsx file, where several hold tables", default=None)
 
     @property
     def driving(self) -> list[Column]:
@@ -89,7 +90,6 @@ class RecordFile(RecordColumns):
         "text table (.csv, .txt, .dat), NetCDF, MATLAB, .xlsx or .parquet file, relative to the"
         " project"
     )
-    sheet: str | None = key("which sheet of an .xlsx file, where several hold tables", default=None)
 
 
 def is_part_of(test: Mapping[str, Any], record: Mapping[str, Any]) -> bool:

@@ -12,6 +12,7 @@ from dea import store
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.intake.bandwidth import samples_to_average
+from dea.intake.questions import command
 from dea.intake.roles import Answers, Roles, find_roles
 from dea.intake.settings import infer_settings
 from dea.missing import filled
@@ -51,15 +52,14 @@ def infer_case(
     ------
     dea.intake.UnansweredError
         Where the file does not say what its columns are.
-    dea.store.SeveralSheetsError
-        Where a workbook does not say which of its sheets holds the record.
     InputError
-        If it cannot be read, or its record is not usable.
+        If it cannot be read, does not say which of its sheets holds the record, or its record is
+        not usable.
     """
     if not file.is_file():
         problem = "it is no file" if file.exists() else "it does not exist"
         raise InputError(problem, file=file, remedy="Correct the path")
-    table = store.read_foreign(file, answers.sheet)
+    table = _read(file, answers.sheet, goal, given or {})
     roles = find_roles(table, answers, file, goal, given or {})
     record = _described(file, answers.sheet, roles)
     try:
@@ -79,13 +79,24 @@ def infer_case(
     sections = dict(settings.sections)
     split = sections.pop("split")
     content = {
-        "title": file.stem,
+        "title": file.stem if answers.sheet is None else f"{file.stem}: {answers.sheet}",
         "record": record,
         "test_records": {"held_out": tested},
         **sections,
         **({"simulation": simulation, "split": split} if simulation else {}),
     }
     return Inferred(content, (*roles.inferred, *notes, *settings.inferred))
+
+
+def _read(file: Path, sheet: str | None, goal: str, given: Mapping[str, str]) -> store.ForeignTable:
+    """Read a file; where several sheets may be meant, give the command that names the first."""
+    try:
+        return store.read_foreign(file, sheet)
+    except store.SeveralSheetsError as error:
+        named = command(goal, {**given, "SHEET": error.sheets[0]})
+        raise InputError(
+            error.problem, file=file, remedy=f"Name the one of the record: `{named}`"
+        ) from error
 
 
 def _described(file: Path, sheet: str | None, roles: Roles) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +29,11 @@ class _Plain(yaml.SafeDumper):
         return True
 
 
-def case_name(file: Path, name: str | None = None) -> str:
-    """Return the name of a case: the one given, or that of the file with letters it may have."""
+def case_name(file: Path, name: str | None = None, sheet: str | None = None) -> str:
+    """Return the name of a case: the one given, or that of the file with letters it may have.
+
+    The ``sheet`` of a workbook, where it is named, is part of it: each sheet is another record.
+    """
     if name is not None:
         if not re.fullmatch(NAME, name):
             raise InputError(
@@ -38,7 +42,8 @@ def case_name(file: Path, name: str | None = None) -> str:
                 remedy="Use letters, digits, _ and -",
             )
         return name
-    plain = re.sub(r"[^A-Za-z0-9_-]+", "_", file.stem).strip("_") or "record"
+    whole = file.stem if sheet is None else f"{file.stem}_{sheet}"
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "_", whole).strip("_") or "record"
     return f"{plain}_case" if plain in RESERVED else plain
 
 
@@ -78,8 +83,8 @@ def read_case(file: Path) -> Case:
     return check_case(content, _study(), file)
 
 
-def earlier_answers(file: Path, case: Path) -> Answers:
-    """Return what a case of the same file says of its columns, or nothing.
+def earlier_answers(file: Path, sheet: str | None, case: Path) -> Answers:
+    """Return what a case of the same file and sheet says of its columns, or nothing.
 
     Raises
     ------
@@ -89,7 +94,7 @@ def earlier_answers(file: Path, case: Path) -> Answers:
     if not case.exists():
         return Answers()
     record = read_case(case).record
-    if Path(record.file) != file:
+    if Path(record.file) != file or record.sheet != sheet:
         return Answers()
     return Answers(
         input=",".join(_told(each) for each in record.driving),
@@ -132,7 +137,7 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
             file=file,
             remedy=f"Run it as it is: `make case NAME={name}`; or give NAME=other, or delete it",
         )
-    if file.exists() and (other := _record_of(file)) != inferred.content["record"]["file"]:
+    if file.exists() and (other := _record_of(file)) != _source(inferred.content["record"]):
         raise InputError(
             f"it is there already, for {other}", file=file, remedy="Give another name: NAME=other"
         )
@@ -142,9 +147,14 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
 
 
 def _record_of(file: Path) -> str:
-    """Return the file of the record of a case."""
     content = read_yaml(file, what="the case", example=str(file))
-    return str(content["record"]["file"])
+    return _source(content["record"])
+
+
+def _source(record: Mapping[str, Any]) -> str:
+    """Return the file of a record, and its sheet where it has one."""
+    sheet = record.get("sheet")
+    return str(record["file"]) if sheet is None else f"{record['file']}, sheet {sheet!r}"
 
 
 def _study() -> Study:
@@ -153,7 +163,8 @@ def _study() -> Study:
 
 def _text(inferred: Inferred, command: str) -> str:
     remarks = [f"Inferred by `{command}`. Any key may be edited: config/cases/README.md.",
-               "Times are in s, frequencies in Hz, lags in samples (docs/configuration.md).",
+               "Times are in s, lags in samples, frequencies in shares of the sampling rate"
+               " (docs/configuration.md).",
                *inferred.inferred]  # fmt: skip
     body = yaml.dump(
         dict(inferred.content), Dumper=_Plain, sort_keys=False, allow_unicode=True, width=100,

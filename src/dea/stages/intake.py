@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _check_named(options.name or "", options.goal)
             print(options.name)
             return 0
-        name = case_name(options.file, options.name)
+        name = case_name(options.file, options.name, options.sheet)
         said = options.input, options.output, options.time, _rate(options.rate), options.sheet
         answers = Answers(*said)
         infer = partial(
@@ -69,9 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )  # fmt: skip
         try:
             inferred = infer(answers)
-        except (UnansweredError, store.SeveralSheetsError):
-            earlier = earlier_answers(options.file, _CASES / f"{name}.yaml")
-            if answers != Answers() or earlier == Answers():
+        except UnansweredError:
+            earlier = earlier_answers(options.file, options.sheet, _CASES / f"{name}.yaml")
+            if answers != Answers(sheet=options.sheet) or earlier == Answers():
                 raise
             inferred = infer(earlier)
         if options.simulation is not None:

@@ -1,6 +1,6 @@
 """The formats that are read, by the ending of the file."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,15 @@ _FEWEST = 3  # rows of a table that may be a record
 
 
 class SeveralSheetsError(InputError):
-    """A workbook several of whose sheets may hold the record, and none of which is named."""
+    """A workbook several of whose ``sheets`` may hold the record, and none of which is named."""
+
+    def __init__(self, sheets: Sequence[str], *, file: Path) -> None:
+        super().__init__(
+            f"several of its sheets hold tables of numbers: {', '.join(map(repr, sheets))}",
+            file=file,
+            remedy="Name the one of the record: `sheet`",
+        )
+        self.sheets = tuple(sheets)
 
 
 def read_foreign(file: Path, sheet: str | None = None) -> ForeignTable:
@@ -51,8 +59,10 @@ def read_foreign(file: Path, sheet: str | None = None) -> ForeignTable:
         )
     try:
         return FORMATS[suffix](file) if sheet is None else _read_sheet(file, sheet)
+    except SeveralSheetsError:
+        raise
     except InputError as error:
-        raise type(error)(error.problem, file=file, remedy=error.remedy) from error
+        raise InputError(error.problem, file=file, remedy=error.remedy) from error
     except ImportError as error:
         package = error.name or "pyarrow"  # pandas names none of its own
         raise InputError(
@@ -93,10 +103,7 @@ def _read_sheet(file: Path, named: str | None = None) -> ForeignTable:
         return _of_cells(sheets[named])
     tables = [name for name, cells in sheets.items() if _holds_a_table(cells)]
     if len(tables) > 1:
-        raise SeveralSheetsError(
-            f"several of its sheets hold tables of numbers: {', '.join(map(repr, tables))}",
-            remedy="Name the one of the record: `SHEET=`, or `sheet` of the record in its case",
-        )
+        raise SeveralSheetsError(tables, file=file)
     return _of_cells(sheets[tables[0] if tables else next(iter(sheets))])
 
 
