@@ -607,6 +607,14 @@ def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
     assert not recwarn.list
 
 
+def test_a_workbook_may_hold_numbers_as_text_with_a_comma(tmp_path):
+    rows = [["t (s)", "u (V)"], ["0,0", 1.5], ["0,25", "2,5"], ["0,5", "-3,5"]]
+    pd.DataFrame(rows).to_excel(tmp_path / "mine.xlsx", header=False, index=False)
+    columns = read_foreign(tmp_path / "mine.xlsx").columns
+    np.testing.assert_array_equal(columns["t"], [0.0, 0.25, 0.5])
+    np.testing.assert_array_equal(columns["u"], [1.5, 2.5, -3.5])
+
+
 def test_a_workbook_holds_one_sheet_of_a_record(tmp_path):
     record = [["t (s)", "u (V)"], *([k / 4, float(k)] for k in range(9))]
     sheets = {

@@ -1,5 +1,6 @@
 """The formats that are read, by the ending of the file."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from dea.store.foreign_files.table import ForeignTable, from_columns, plain_unit
 from dea.store.foreign_files.text import read_text
 
 _WORKBOOK = ".xlsx"
+_COMMA_NUMBER = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 _FEWEST = 3  # rows of a table that may be a record
 
 
@@ -93,7 +95,8 @@ def _read_sheet(file: Path, named: str | None = None) -> ForeignTable:
     InputError
         If there is none of that name.
     """
-    sheets = pd.read_excel(file, header=None, sheet_name=None)
+    read = pd.read_excel(file, header=None, sheet_name=None)
+    sheets = {str(name): _with_points(cells) for name, cells in read.items()}
     if named is not None:
         if named not in sheets:
             raise InputError(
@@ -105,6 +108,19 @@ def _read_sheet(file: Path, named: str | None = None) -> ForeignTable:
     if len(tables) > 1:
         raise SeveralSheetsError(tables, file=file)
     return _of_cells(sheets[tables[0] if tables else next(iter(sheets))])
+
+
+def _with_points(cells: pd.DataFrame) -> pd.DataFrame:
+    """Return cells in which numbers that are text with a decimal comma have a point."""
+    texts = cells.select_dtypes(exclude=["number", "datetime", "timedelta"]).columns
+    cells[texts] = cells[texts].map(
+        lambda cell: cell.replace(",", ".") if _is_comma_number(cell) else cell
+    )
+    return cells
+
+
+def _is_comma_number(cell: object) -> bool:
+    return isinstance(cell, str) and _COMMA_NUMBER.fullmatch(cell.strip()) is not None
 
 
 def _holds_a_table(cells: pd.DataFrame) -> bool:
