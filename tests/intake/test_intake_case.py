@@ -102,8 +102,10 @@ def test_a_record_for_a_simulation_keeps_the_input_that_a_threshold_acted_on(fol
     times = np.arange(rows) / rate
     pd.DataFrame({"t (s)": times, "y (mm)": y, "u (V)": u}).to_csv("rows.csv", index=False)
     assert "resample" in infer_case(Path("rows.csv"), Answers()).content["record"]
-    content = infer_case(Path("rows.csv"), Answers(), simulation="mine.py").content
-    np.testing.assert_allclose(store.signals(store.import_record(content["record"])).u, u)
+    found = infer_case(Path("rows.csv"), Answers(), simulation="mine.py")
+    record = store.signals(store.import_record(found.content["record"]))
+    np.testing.assert_allclose(record.u, u)
+    assert any("every sample is kept for the simulation" in line for line in found.inferred)
 
 
 def test_each_sheet_of_a_workbook_is_a_case_of_its_own(folder, capsys):

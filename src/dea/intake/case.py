@@ -185,8 +185,14 @@ def _resampling(
             field="time",
             remedy="Give the part of one sampling rate a file of its own",
         )
-    several = samples_to_average(filled(y)[0], 1.0 / interval) if may_average else 1
+    several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []
+    if several > 1 and not may_average:
+        notes.append(
+            f"every sample is kept for the simulation; without one, {several} would be averaged"
+            " into one, and models would come from a longer part"
+        )
+        several = 1
     missing = steps[steps > 1.6 * interval]
     if missing.size:
         several_missing = f"{missing.size} missing stretches, the longest"

@@ -132,10 +132,14 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
     check_case(dict(inferred.content), study, file)
     text = _text(inferred, command)
     if file.exists() and _edited(file.read_text(encoding="utf-8")):
+        simulation = inferred.content.get("simulation")
+        run = f"Run it as it is: `make case NAME={name}`"
+        if simulation is not None:
+            run = f"Write `simulation: {simulation}` into it: then `make diagnose NAME={name}`"
         raise InputError(
             "it is there already, written or edited by a person",
             file=file,
-            remedy=f"Run it as it is: `make case NAME={name}`; or give NAME=other, or delete it",
+            remedy=f"{run}; or give NAME=other, or delete it",
         )
     if file.exists() and (other := _record_of(file)) != _source(inferred.content["record"]):
         raise InputError(
