@@ -188,6 +188,11 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
     assert main(["mine.csv"]) == 2
     assert "edited by a person" in capsys.readouterr().err
     assert file.read_text() == edited
+    write_simulation(folder / "mine.py")
+    assert main(["mine.csv", "--simulation", "mine.py", "--goal", "diagnose"]) == 2
+    advised = "Write `simulation: mine.py` into it: then `make diagnose NAME=mine`"
+    assert advised in capsys.readouterr().err
+    assert file.read_text() == edited
 
 
 @pytest.mark.parametrize(
