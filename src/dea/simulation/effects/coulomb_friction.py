@@ -76,7 +76,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             "1",
             0.01 * span,
             1.0,
-            5e-4 * span,
+            1e-5 * span,
             0.05 * span,
             log=True,
             shape=True,
@@ -104,12 +104,16 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return weak to strong friction, with a soft and a hard contact."""
+    """Return weak to strong friction, with a soft, a hard and a stiff contact.
+
+    Of a shaft that turns many times, or whose place is not known, the deflection is hardly any part
+    of the motion.
+    """
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return tuple(
         (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0, 0.0, middle, 0.5 * span)
         for part in (0.02, 0.08, 0.2)
-        for slip in (0.015, 0.002)
+        for slip in (0.015, 0.002, 1e-4)
     )
 
 
