@@ -424,18 +424,24 @@ def test_the_certain_part_of_an_answer_is_named(without, left, named):
 
 
 @pytest.mark.parametrize(
-    ("sure", "left", "named"),
-    [("dead_zone", 4.0, True), ("dead_zone", 5.5, False), ("gain_drift", 4.0, False)],
+    ("sure", "left", "kin", "named"),
+    [
+        ("sensor_lag", 4.0, 8.0, True),
+        ("sensor_lag", 4.0, 5.0, False),  # another one of the family comes near
+        ("sensor_lag", 5.5, 8.9, False),
+        ("gain_drift", 4.0, 8.0, False),
+    ],
 )
-def test_a_part_is_certain_by_what_it_removes_beside_other_effects(sure, left, named):
+def test_a_part_is_certain_by_what_it_removes_beside_other_effects(sure, left, kin, named):
     """All good answers hold one effect, which alone removes little of 9 noise deviations.
 
     A course in time would follow whatever else is slow.
     """
     evidence, candidate = graded()
-    alone = candidate(8.0, sure)
-    pairs = [candidate(left, sure, "sensor_lag"), candidate(1.01 * left, sure, "slew_limit")]
-    pool = [*pairs, alone, candidate(8.5, "sensor_lag"), candidate(8.5, "slew_limit")]
+    alone = candidate(8.5, sure)
+    pairs = [candidate(left, sure, "dead_zone"), candidate(1.01 * left, sure, "slew_limit")]
+    others = [candidate(8.8, "dead_zone"), candidate(8.8, "slew_limit")]
+    pool = [*pairs, alone, *others, candidate(kin, "electrode_lag", "dead_zone")]
     weighed = Presence(tuple(pairs), np.array([0.5, 0.5]))
     found = decide(evidence, pairs[0], pool, [alone], weighed)
     assert (found.status == "named") == named

@@ -25,9 +25,10 @@ def certain_part(
     them and any of its family must leave much more of the misfit than the best one with all, since
     an effect that the catalogue lacks is often half explained by several. No explanation may leave
     less than the best one that holds them. They must surely remove most of the gap, by themselves
-    or, if that is allowed, ``with_others``, as part of that explanation. Then none may be a course
-    in time, which follows whatever else is slow. A larger certain set is returned where it passes
-    for its further effects.
+    or, if that is allowed, ``with_others``, as part of that explanation. Then the best one without
+    them must leave much more, whatever its families, and none may be a course in time, which
+    follows whatever else is slow. A larger certain set is returned where it passes for its further
+    effects.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
@@ -56,7 +57,9 @@ def certain_part(
         if not (with_others and transferable(part.fit.extended)):
             return False
         best = min((c for c in finished if c.effects >= part.effects), key=lambda c: c.rmse)
-        return best is not part and share_of(evidence, best.fit).low >= rules.part
+        without = min((c.rmse for c in finished if not c.effects >= part.effects), default=np.inf)
+        nothing_near = misfit(best.rmse, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+        return nothing_near and share_of(evidence, best.fit).low >= rules.part
 
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
