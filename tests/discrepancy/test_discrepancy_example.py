@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dea.discrepancy import Settings, diagnose
+from dea.discrepancy import Settings, diagnose, signals_of
 from dea.errors import InputError
 from dea.simulation import load_simulation
+from dea.store import Record
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "discrepancy.md"
+ROOT = Path(__file__).parents[2]
+DOCUMENT = ROOT / "docs" / "discrepancy.md"
 DT = 0.02
 
 
@@ -63,6 +65,13 @@ def test_the_example_finds_nothing_where_nothing_is(tmp_path):
 def test_units_must_match(tmp_path):
     with pytest.raises(InputError, match=r"output is in 'cm'.*expects 'mm'"):
         diagnose(recorded(unit="cm"), carriage(tmp_path).as_posix())
+
+
+def test_one_unit_may_be_spelt_in_two_ways():
+    chamber = load_simulation(ROOT / "config" / "simulations" / "heated_chamber.py")
+    u, y = np.zeros(9), np.linspace(20.0, 21.0, 9)
+    found = signals_of(Record.of(u, y, 1.0, units=("V", "°C")), chamber)
+    np.testing.assert_array_equal(found.y, y)
 
 
 def test_a_record_must_be_long_enough(tmp_path):

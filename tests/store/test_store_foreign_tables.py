@@ -112,6 +112,7 @@ def test_durations_are_seconds_too(unit):
         ("Volt", "V", None), ("volts", "V", None), ("kV", "kV", None), ("µm", "um", None),
         ("[mm]", "mm", None), ("(m/s)^2", "(m/s)^2", None), ("V^(1/2)", "V^(1/2)", None),
         ("μV", "uV", None), ("-", "1", None), ("", "1", None), ("mm", "mm", None),
+        ("°C", "degC", None), ("degC", "degC", None), ("Celsius", "degC", None), ("K", "K", None),
     ],
 )  # fmt: skip
 def test_units_have_one_spelling_and_those_of_time_a_factor(text, units, factor):

@@ -39,7 +39,7 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
         If they are not, if several inputs are those of the simulation in another order, or if no
         output is known.
     """
-    from dea.store import Record, signals
+    from dea.store import Record, plain_units, signals
 
     found = record if isinstance(record, Record) else signals(record)
     inputs, given = simulation.inputs, found.inputs
@@ -67,7 +67,7 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
         ),
         ("output", found.y_units, simulation.output_unit),
     ):
-        if unit != expected:
+        if plain_units(unit) != plain_units(expected):
             raise InputError(
                 f"the record's {role} is in {unit!r}, the simulation {simulation.name} "
                 f"expects {expected!r}",

@@ -9,7 +9,7 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store.described import Described, variable
-from dea.store.foreign_files import ForeignTable, read_foreign
+from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
 from dea.store.record import require_squares
 from dea.store.record_checks import check_record
 from dea.store.records import input_variables
@@ -76,7 +76,7 @@ def import_record(
                 remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
         stored = units.get(name, declared.units)
-        if declared.units != stored:
+        if plain_units(declared.units) != plain_units(stored):
             raise InputError(
                 f"{it} has {name!r} in {stored!r}, not in {declared.units!r}",
                 file=named,

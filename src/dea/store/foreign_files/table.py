@@ -25,7 +25,8 @@ _SPELLINGS = {
     "microsecond": "us", "microseconds": "us", "nanosecond": "ns", "nanoseconds": "ns",
     "minute": "min", "minutes": "min",
     "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
-    "volt": "V", "volts": "V", "-": "1", "": "1",
+    "volt": "V", "volts": "V", "°c": "degC", "℃": "degC", "deg c": "degC", "degc": "degC",
+    "celsius": "degC", "-": "1", "": "1",
 }  # fmt: skip
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
