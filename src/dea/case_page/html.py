@@ -22,7 +22,13 @@ _CAPTIONS = {
     " neighbouring lags are strongly correlated: compare the frequency responses instead.{unsure}",
     "fig3": "Gain of the frequency response over time, and at three times{bands}.{unsure}",
     "fig4_h2": "Second-order response: which output two input frequencies produce together.",
-    "discrepancy": "The simulation beside the record, and what it lacks.",
+    "discrepancy": "A: measured less simulated output, of the simulation alone and with what is"
+    " named; shaded, the certified samples, which no fit has seen. B: both where they disagree"
+    " most. C: size of the residual along the quantity that it depends on most, before and after,"
+    " and what chance reaches. D: error on parts of the record left out, with one effect after the"
+    " other, down to the noise floor; what the simulation alone leaves above it is the gap. E: the"
+    " law that is named, with its 95 % band. F: how sure each effect is part of the answer, and how"
+    " much of the gap it removes. docs/discrepancy.md has the terms.",
 }
 _UNSURE = " Without bands this does not tell drift from error of estimation."
 _STYLE = """
