@@ -136,7 +136,8 @@ class ExtendedSimulation:
     @cached_property
     def free(self) -> np.ndarray:
         """Indices of the parameters that a fit may change."""
-        return np.array([i for i, p in enumerate(self.parameters) if p.spread > 0])
+        free = [i for i, p in enumerate(self.parameters) if p.spread > 0]
+        return np.array(free, dtype=int)  # an integer array where there is none, too
 
     @cached_property
     def _nominal(self) -> np.ndarray:
