@@ -1,5 +1,6 @@
 """The stages of figures and tables, and that their lists, modules and captions belong together."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -61,13 +62,28 @@ def outputs(room, names, folder):
 @pytest.mark.parametrize(("names", "datasets", "count"), FIGURES)
 def test_the_stage_draws_each_figure_as_png_and_pdf(names, datasets, count, sources, tmp_path):
     paths = outputs("figures", names, tmp_path / "figures")
-    options = {name: {"zoom": [100, 130]} if name == "fig1" else {} for name in names}
+    options = [(name, {"zoom": [100, 130]} if name == "fig1" else {}) for name in names]
     settings = {"resolution": 50, "figures": options}
     figures(settings, sources=sources(datasets, count), **paths)
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in paths["png"])
     assert all(file.read_bytes().startswith(b"%PDF") for file in paths["pdf"])
     assert len({file.read_bytes() for file in paths["png"]}) == len(names)
     assert len(list((tmp_path / "figures").iterdir())) == 2 * len(names)
+
+
+def test_each_figure_is_at_its_path_by_settings_as_a_job_keeps_them(sources, tmp_path):
+    names = ["residual_tests", "fig2"]
+    files = sources(["orders", "validation"], 1)
+
+    def drawn(folder, names):
+        paths = outputs("figures", names, tmp_path / folder)
+        settings = {"resolution": 50, "figures": [(name, {}) for name in names]}
+        kept = json.loads(json.dumps(settings, sort_keys=True))
+        figures(kept, sources=files, **paths)
+        return [file.read_bytes() for kind in zip(*paths.values(), strict=True) for file in kind]
+
+    alone = [each for name in names for each in drawn(name, [name])]
+    assert drawn("together", names) == alone
 
 
 @pytest.mark.parametrize(("names", "datasets", "count"), TABLES)
@@ -84,7 +100,7 @@ def test_a_broken_dataset_stops_the_stage_before_anything_is_written(sources, tm
     files = [*sources(["validation"], 1), tmp_path / "dea1" / "orders.nc"]
     paths = outputs("figures", ["fig2"], tmp_path / "figures")
     with pytest.raises(InputError, match=r"orders\.nc"):
-        figures({"resolution": 50, "figures": {"fig2": {}}}, sources=files, **paths)
+        figures({"resolution": 50, "figures": [("fig2", {})]}, sources=files, **paths)
     assert not (tmp_path / "figures").exists()
 
 

@@ -93,12 +93,15 @@ def filled(room, groups):
 
 def figure_settings(group):
     """The resolution, and each figure of a group with the settings that it alone needs, as JSON."""
-    options = {
-        name: {
-            key.rpartition(".")[2]: reduce(getitem, key.split("."), config)
-            for key in entry.get("settings", [])
-        }
+    figures = [
+        (
+            name,
+            {
+                key.rpartition(".")[2]: reduce(getitem, key.split("."), config)
+                for key in entry.get("settings", [])
+            },
+        )
         for name, entry in group.members.items()
-    }
+    ]
     resolution = config["figures"]["resolution"]
-    return json.dumps({"resolution": resolution, "figures": options})
+    return json.dumps({"resolution": resolution, "figures": figures})

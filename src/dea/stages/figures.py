@@ -11,9 +11,10 @@ from dea.stages.command import run
 def figures(
     settings: Mapping[str, Any], sources: list[Path], png: list[Path], pdf: list[Path]
 ) -> None:
-    """Draw each figure of ``settings["figures"]``, with its options, at the paths of its place.
+    """Draw each figure of ``settings["figures"]`` at the paths of its place.
 
-    A figure is the function ``draw`` of the module of its name in :mod:`dea.figures`.
+    These are pairs of a name and its options: settings are kept with their keys in order. A figure
+    is the function ``draw`` of the module of its name in :mod:`dea.figures`.
     """
     from importlib import import_module
 
@@ -23,7 +24,7 @@ def figures(
     from dea.figures import style
 
     found = store.Sources(sources)
-    for (name, options), *paths in zip(settings["figures"].items(), png, pdf, strict=True):
+    for (name, options), *paths in zip(settings["figures"], png, pdf, strict=True):
         gc.collect(1)  # the figure before, a hundred megabytes, whose parts refer to each other
         draw: Callable[..., Figure] = import_module(f"dea.figures.{name}").draw
         style.save(draw(found, **options), paths, settings["resolution"])
