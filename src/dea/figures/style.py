@@ -98,6 +98,8 @@ _NO_DATE: dict[str, dict[str, str | None]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "Creator": None},
 }
+# PNG files are a tenth larger than with the default, and written in a third of the time.
+_OPTIONS: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}, "pdf": {}}
 
 # Of curves beyond those that a colour each tells apart.
 _LINES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (4, 1.5, 1, 1.5)))
@@ -178,7 +180,9 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     for path in paths:
         kind = path.suffix.lstrip(".")
         with atomic(path) as partial:
-            figure.savefig(partial, format=kind, dpi=resolution, metadata=_metadata(kind))
+            figure.savefig(
+                partial, format=kind, dpi=resolution, metadata=_metadata(kind), **_OPTIONS[kind]
+            )
 
 
 def _metadata(kind: str) -> dict[str, str | None]:
