@@ -95,28 +95,19 @@ def _read_sheet(file: Path, named: str | None = None) -> ForeignTable:
     InputError
         If there is none of that name.
     """
-    read = pd.read_excel(file, header=None, sheet_name=None)
-    sheets = {str(name): _with_points(cells) for name, cells in read.items()}
-    if named is not None:
-        if named not in sheets:
-            raise InputError(
-                f"it has no sheet {named!r}",
-                remedy=f"Its sheets are {', '.join(map(repr, sheets))}",
-            )
-        return _of_cells(sheets[named])
+    with pd.ExcelFile(file) as book:
+        if named is not None:
+            if named not in book.sheet_names:
+                raise InputError(
+                    f"it has no sheet {named!r}",
+                    remedy=f"Its sheets are {', '.join(map(repr, book.sheet_names))}",
+                )
+            return _of_cells(pd.read_excel(book, sheet_name=named, header=None))
+        sheets = pd.read_excel(book, sheet_name=None, header=None)
     tables = [name for name, cells in sheets.items() if _holds_a_table(cells)]
     if len(tables) > 1:
         raise SeveralSheetsError(tables, file=file)
     return _of_cells(sheets[tables[0] if tables else next(iter(sheets))])
-
-
-def _with_points(cells: pd.DataFrame) -> pd.DataFrame:
-    """Return cells in which numbers that are text with a decimal comma have a point."""
-    texts = cells.select_dtypes(exclude=["number", "datetime", "timedelta"]).columns
-    cells[texts] = cells[texts].map(
-        lambda cell: cell.replace(",", ".") if _is_comma_number(cell) else cell
-    )
-    return cells
 
 
 def _is_comma_number(cell: object) -> bool:
@@ -138,7 +129,12 @@ def _texts(cells: pd.DataFrame) -> list[list[str]]:
 
 
 def _text(cell: object) -> str:
-    """Return a cell as text; beside an empty cell pandas reads whole numbers as floats."""
+    """Return a cell as text; beside an empty cell pandas reads whole numbers as floats.
+
+    A number that is text with a decimal comma has a point.
+    """
+    if _is_comma_number(cell):
+        return str(cell).strip().replace(",", ".")
     return f"{cell:.17g}" if isinstance(cell, float) else str(cell).strip()
 
 
@@ -152,7 +148,10 @@ def _of_cells(cells: pd.DataFrame) -> ForeignTable:
     headings, units = headings_and_units(rows[:begin], cells.shape[1])
     frame = cells.iloc[begin:].reset_index(drop=True).infer_objects()
     columns = [frame[name] for name in frame.columns]
-    return from_columns(headings, columns, units, place=lambda row: f"row {begin + row + 1}")
+    decimal = "," if any(_is_comma_number(cell) for each in columns for cell in each) else "."
+    return from_columns(
+        headings, columns, units, decimal=decimal, place=lambda row: f"row {begin + row + 1}"
+    )
 
 
 def _read_parquet(file: Path) -> ForeignTable:
