@@ -1,6 +1,6 @@
 """Which effects of an answer are certain, and whether each of several is needed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -40,26 +40,31 @@ def certain_part(
         for name, a in zip(c.counted, c.fit.extended.attached, strict=True)
     }
 
+    def best_with(part: Candidate) -> Candidate:
+        return min((c for c in finished if c.effects >= part.effects), key=lambda c: c.rmse)
+
+    def far_behind(others: Iterable[Candidate], part: Candidate) -> bool:
+        """Return whether all others leave much more than the best explanation with the part."""
+        within, least = best_with(part).rmse, min((c.rmse for c in others), default=np.inf)
+        return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(least, floor)
+
     def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
         """Return whether every explanation without the family leaves much more, and none less.
 
         The effects ``given`` may be in these.
         """
         kin = {other for other, family in families.items() if family is families[name]} - given
-        within = min(c.rmse for c in finished if c.effects >= part.effects)
-        without = min((c.rmse for c in finished if not c.effects & kin), default=np.inf)
-        beyond = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
-        return beyond and rules.as_good(within, best, floor)
+        without = (c for c in finished if not c.effects & kin)
+        return far_behind(without, part) and rules.as_good(best_with(part).rmse, best, floor)
 
     def removes_most(part: Candidate) -> bool:
         if share_of(evidence, part.fit).low >= rules.part:
             return True
         if not (with_others and transferable(part.fit.extended)):
             return False
-        best = min((c for c in finished if c.effects >= part.effects), key=lambda c: c.rmse)
-        without = min((c.rmse for c in finished if not c.effects >= part.effects), default=np.inf)
-        nothing_near = misfit(best.rmse, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
-        return nothing_near and share_of(evidence, best.fit).low >= rules.part
+        without = (c for c in finished if not c.effects >= part.effects)
+        share = share_of(evidence, best_with(part).fit)
+        return far_behind(without, part) and share.low >= rules.part
 
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
