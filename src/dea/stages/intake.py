@@ -61,8 +61,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(options.name)
             return 0
         name = case_name(options.file, options.name, options.sheet)
-        said = options.input, options.output, options.time, _rate(options.rate), options.sheet
-        answers = Answers(*said)
+        answers = Answers(
+            input=options.input,
+            output=options.output,
+            time=options.time,
+            rate=_rate(options.rate),
+            sheet=options.sheet,
+        )
         infer = partial(
             infer_case, options.file,
             simulation=options.simulation, goal=options.goal, given=given,
