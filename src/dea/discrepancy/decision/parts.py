@@ -63,8 +63,9 @@ def certain_part(
         if not (with_others and transferable(part.fit.extended)):
             return False
         without = (c for c in finished if not c.effects >= part.effects)
-        share = share_of(evidence, best_with(part).fit)
-        return far_behind(without, part) and share.low >= rules.part
+        return (
+            far_behind(without, part) and share_of(evidence, best_with(part).fit).low >= rules.part
+        )
 
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
