@@ -1,4 +1,6 @@
-"""Units of products of quantities, as text: ``mm^2``, ``(ticks/s)^2``, ``mm/V``; and of time."""
+"""Units as text: their spelling, those of time, and products such as ``(ticks/s)^2``, ``mm/V``."""
+
+import re
 
 # How many seconds each unit of time has.
 SECONDS = {
@@ -6,6 +8,26 @@ SECONDS = {
 }  # fmt: skip
 # How many hertz each unit of a rate has.
 HERTZ = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "1/s": 1.0, "1/min": 1.0 / 60.0}
+_BRACKETS = re.compile(r"^[\[(]([^\[\]()]*)[\])]$")
+_SINCE = re.compile(r"\s+since\s.*", re.IGNORECASE)
+_SPELLINGS = {
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
+    "milliseconds": "ms", "millis": "ms", "µs": "us", "μs": "us", "usec": "us", "micros": "us",
+    "microsecond": "us", "microseconds": "us", "nanosecond": "ns", "nanoseconds": "ns",
+    "minute": "min", "minutes": "min",
+    "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
+    "volt": "V", "volts": "V", "°c": "degC", "℃": "degC", "deg c": "degC", "degc": "degC",
+    "celsius": "degC", "-": "1", "": "1",
+}  # fmt: skip
+
+
+def plain_units(text: str) -> str:
+    """Return units in the spelling of this project: ``(sec)`` is ``s``."""
+    bare = _BRACKETS.sub(r"\1", text.strip()).strip()
+    # Of a time of NetCDF, which is a number of these units since a date.
+    if (unit := _SINCE.sub("", bare)) != bare and plain_units(unit) in SECONDS:
+        return plain_units(unit)
+    return _SPELLINGS.get(bare.lower(), bare.replace("µ", "u").replace("μ", "u"))
 
 
 def power(units: str, exponent: int) -> str:

@@ -370,6 +370,15 @@ def test_a_test_record_is_in_the_units_of_the_record():
     assert caught.value.field == "test_records.later"
 
 
+def test_a_test_record_may_spell_the_units_of_the_record_in_another_way():
+    record = MINE["record"] | {"output": {"column": "T", "units": "°C"}}
+    later = MINE["record"] | {"output": {"column": "T", "units": "degC"}}
+    case = check_case(
+        MINE | {"record": record, "test_records": {"later": later}}, check_study(STUDY)
+    )
+    assert case.test_records["later"].output.units == "degC"
+
+
 @pytest.mark.parametrize(
     ("changes", "field", "words"),
     [

@@ -14,8 +14,8 @@ from dea.errors import InputError
 from dea.store import import_record
 from dea.store.foreign_files import read_foreign
 from dea.store.foreign_files.clock import is_clock, seconds
-from dea.store.foreign_files.table import from_columns, name_and_units, plain_units
-from dea.units import SECONDS
+from dea.store.foreign_files.table import from_columns, name_and_units
+from dea.units import SECONDS, plain_units
 
 
 def read(folder, text, name="mine.csv", encoding="utf-8"):

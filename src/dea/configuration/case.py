@@ -17,6 +17,7 @@ from dea.configuration.section import NAME, Name, Section, key, partial, refuse
 from dea.configuration.study import RESERVED, Study, check_simulation, check_tracker, settings
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
+from dea.units import plain_units
 
 # What names of designed records begin with: resolve_1, resolve_2 and so on, and resolve_fresh. They
 # are keys of `records`, and of hardware names of excitations.
@@ -57,9 +58,9 @@ class Case(Section):
                         f" record, {count}",
                         "Name the inputs of the record, in the same order.",
                     )
-        wanted = [column.units for column in (*self.record.driving, self.record.output)]
+        wanted = [plain_units(each.units) for each in (*self.record.driving, self.record.output)]
         for name, test in self.test_records.items():
-            found = [column.units for column in (*test.driving, test.output)]
+            found = [plain_units(each.units) for each in (*test.driving, test.output)]
             if found != wanted:
                 raise refuse(
                     f"test_records.{name}",

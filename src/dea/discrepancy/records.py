@@ -14,6 +14,7 @@ from dea.discrepancy.settings import Settings
 from dea.errors import InputError
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation, Simulation, prepared, samples_of_each, slowest_time
+from dea.units import plain_units
 from dea.warm_up import LONGEST_WARM_UP
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
         If they are not, if several inputs are those of the simulation in another order, or if no
         output is known.
     """
-    from dea.store import Record, plain_units, signals
+    from dea.store import Record, signals
 
     found = record if isinstance(record, Record) else signals(record)
     inputs, given = simulation.inputs, found.inputs

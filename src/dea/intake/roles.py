@@ -9,8 +9,8 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, command, described
-from dea.store import ForeignTable, plain_units
-from dea.units import HERTZ, SECONDS
+from dea.store import ForeignTable
+from dea.units import HERTZ, SECONDS, plain_units
 
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}

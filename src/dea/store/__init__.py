@@ -5,12 +5,7 @@ from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.foreign_files import (
-    ForeignTable,
-    SeveralSheetsError,
-    plain_units,
-    read_foreign,
-)
+from dea.store.foreign_files import ForeignTable, SeveralSheetsError, read_foreign
 from dea.store.record import (
     Record,
     Text,
@@ -43,7 +38,6 @@ __all__ = [
     "flag_counts",
     "import_record",
     "input_names",
-    "plain_units",
     "read",
     "read_foreign",
     "read_record",

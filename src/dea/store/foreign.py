@@ -9,12 +9,12 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store.described import Described, variable
-from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
+from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record import require_squares
 from dea.store.record_checks import check_record
 from dea.store.records import input_variables
 from dea.store.resampling import IntervalError, resample
-from dea.units import SECONDS
+from dea.units import SECONDS, plain_units
 
 if TYPE_CHECKING:
     from dea.configuration.record import Column

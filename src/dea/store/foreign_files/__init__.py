@@ -1,6 +1,6 @@
 """Files that other programs write: text tables, spreadsheets, NetCDF, MATLAB, Parquet."""
 
 from dea.store.foreign_files.formats import FORMATS, SeveralSheetsError, read_foreign
-from dea.store.foreign_files.table import ForeignTable, plain_units
+from dea.store.foreign_files.table import ForeignTable
 
-__all__ = ["FORMATS", "ForeignTable", "SeveralSheetsError", "plain_units", "read_foreign"]
+__all__ = ["FORMATS", "ForeignTable", "SeveralSheetsError", "read_foreign"]

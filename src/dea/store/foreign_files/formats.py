@@ -18,8 +18,9 @@ from dea.store.foreign_files.headings import (
     is_data,
     is_number,
 )
-from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
+from dea.store.foreign_files.table import ForeignTable, from_columns
 from dea.store.foreign_files.text import read_text
+from dea.units import plain_units
 
 _WORKBOOK = ".xlsx"
 _COMMA_NUMBER = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")

@@ -4,7 +4,8 @@ import re
 from collections.abc import Sequence
 
 from dea.store.foreign_files.clock import is_clock
-from dea.store.foreign_files.table import MISSING, name_and_units, plain_units
+from dea.store.foreign_files.table import MISSING, name_and_units
+from dea.units import plain_units
 
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
 LOOKED_AT = 400  # rows among which the numbers must have begun

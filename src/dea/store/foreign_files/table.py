@@ -11,23 +11,12 @@ import pandas as pd
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.store.foreign_files.clock import is_day, is_time_of_day, joined, seconds
-from dea.units import SECONDS
+from dea.units import plain_units
 
 # What instruments write where there is no number.
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
-_BRACKETS = re.compile(r"^[\[(]([^\[\]()]*)[\])]$")
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
-_SINCE = re.compile(r"\s+since\s.*", re.IGNORECASE)
-_SPELLINGS = {
-    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
-    "milliseconds": "ms", "millis": "ms", "µs": "us", "μs": "us", "usec": "us", "micros": "us",
-    "microsecond": "us", "microseconds": "us", "nanosecond": "ns", "nanoseconds": "ns",
-    "minute": "min", "minutes": "min",
-    "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
-    "volt": "V", "volts": "V", "°c": "degC", "℃": "degC", "deg c": "degC", "degc": "degC",
-    "celsius": "degC", "-": "1", "": "1",
-}  # fmt: skip
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
 _NUMERIC = 0.5
@@ -95,15 +84,6 @@ class ForeignTable:
                     field=f"column {name!r}",
                     remedy="Correct that entry, or empty it: it then counts as missing",
                 )
-
-
-def plain_units(text: str) -> str:
-    """Return units in the spelling of this project: ``(sec)`` is ``s``."""
-    bare = _BRACKETS.sub(r"\1", text.strip()).strip()
-    # Of a time of NetCDF, which is a number of these units since a date.
-    if (unit := _SINCE.sub("", bare)) != bare and plain_units(unit) in SECONDS:
-        return plain_units(unit)
-    return _SPELLINGS.get(bare.lower(), bare.replace("µ", "u").replace("μ", "u"))
 
 
 def name_and_units(heading: str) -> tuple[str, str | None]:
