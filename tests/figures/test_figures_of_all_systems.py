@@ -211,6 +211,19 @@ def test_the_phase_of_h2_is_unwrapped_and_without_the_delay_of_a_sample():
         assert np.abs(ends[:, None] - (along - 2.0)).min(axis=0).max() < 1e-9
 
 
+def test_axes_of_phases_of_h2_are_the_same():
+    systems = {f"dea{seed}": made.gfrf(seed) for seed in (1, 2, 3)}
+    systems["dea2"]["H2_phase_low"] = systems["dea2"]["H2_phase_low"] - 40.0
+    figure = fig4_h2_phase({name: made.record(1) for name in systems}, systems)
+    curves = [ax for ax in figure.axes if ax.get_xlabel() == "$f$ (Hz)"]
+    assert len(curves) == 3
+    assert len({ax.get_ylim() for ax in curves}) == 1
+    for ax in curves:
+        low, high = ax.get_ylim()
+        drawn = np.concatenate([line.get_ydata() for line in ax.lines])
+        assert low <= drawn.min() <= drawn.max() <= high
+
+
 def test_an_h2_without_terms_has_no_phase_to_show():
     response = made.gfrf(1)
     response["H2"].values[:] = 0.0

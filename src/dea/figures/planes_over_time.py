@@ -42,7 +42,8 @@ class PlaneQuantity(NamedTuple):
     ``maps`` over ``time_h2`` and both frequencies on the colour scale ``norm``; ``curves``
     likewise, drawn where both frequencies are one, in the units of ``low`` and ``high``, the ends
     of their bands, which are empty where there is none. ``curve_labels`` say what they are. Where
-    zero means nothing, as of a phase, the axes of the curves need not begin there (``from_zero``).
+    zero means nothing, as of a phase, the axes of the curves need not begin there (``from_zero``),
+    and are alike for all systems.
     """
 
     maps: Mapping[str, xr.DataArray]
@@ -111,6 +112,10 @@ def _several_systems(
         axes[0, column].set_title(in_lines(name.replace(", ", "\n"), panel))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], name, responses[name], shown)
+    if not shown.from_zero:
+        limits = np.array([ax.get_ylim() for ax in axes[-1]])
+        for ax in axes[-1]:
+            ax.set_ylim(limits[:, 0].min(), limits[:, 1].max())
     labels = list(shown.curve_labels.values())
     for column in range(len(labels) if len(set(labels)) > 1 else 1):
         axes[-1, column].set_ylabel(labels[column])
