@@ -22,7 +22,7 @@ def handler(monkeypatch):
 
 def tell(handler, message="", level=logging.INFO, **fields):
     record = logging.LogRecord("snakemake", level, "", 0, message, None, None)
-    vars(record).update(fields)
+    vars(record).update({"output": ["made.nc"], **fields})
     handler.emit(record)
 
 
@@ -44,6 +44,12 @@ def test_each_step_is_a_line_with_what_is_left(handler, capsys):
 def test_one_step_is_one(handler, capsys):
     tell(handler, event=LogEvent.RUN_INFO, stats={"select": 1, "total": 1})
     assert capsys.readouterr().err.rstrip().endswith("1 step to do")
+
+
+def test_a_goal_keeps_the_name_of_its_case(handler, capsys):
+    tell(handler, event=LogEvent.JOB_INFO, jobid=0, rule_name="case_lab_Run_2", wildcards={},
+         output=[], log=[])  # fmt: skip
+    assert capsys.readouterr().err.rstrip().endswith("case_lab_Run_2")
 
 
 def test_what_is_left_is_foreseen_once_a_tenth_is_done(handler, capsys):

@@ -75,7 +75,8 @@ class LogHandler(LogHandlerBase):
                 self._total = int(record.stats.get("total", 0))
                 self._write(f"{self._total} step{'s' * (self._total != 1)} to do")
             case LogEvent.JOB_INFO:
-                name = _described(record.rule_name, record.wildcards or {})
+                # What makes nothing is a goal, whose name may hold that of a case.
+                name = _described(record) if record.output else record.rule_name
                 self._jobs[record.jobid] = Job(name, list(record.log or []))
                 together = len(self._jobs)
                 beside = f"  ({together} in parallel)" if together > 1 else ""
@@ -135,10 +136,10 @@ def _lines(log: str) -> list[str]:
         return []
 
 
-def _described(rule: str, wildcards: dict[str, str]) -> str:
+def _described(job: LogRecord) -> str:
     """Return whose step it is and which, such as ``dea1: track``."""
-    step = rule.replace("_", " ")
-    whose = " ".join(map(str, wildcards.values()))
+    step = job.rule_name.replace("_", " ")
+    whose = " ".join(map(str, (job.wildcards or {}).values()))
     return f"{whose}: {step}" if whose else step
 
 
