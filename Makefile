@@ -113,7 +113,8 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 	$(if $(FILE)$(NAME),,$(error Name a file, a case of config/cases, or an actuator: make diagnose NAME=dea1))
 	$(if $(FILE),$(if $(SIMULATION),,$(error Name its simulation: make diagnose FILE=mine.csv SIMULATION=mine.py)))
 	@name=$$($(call INTAKE,--goal diagnose)) && \
-		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png) && \
+		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png \
+		$(wildcard results/$(NAME)/page.html)) && \
 		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
 		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")
 
