@@ -179,6 +179,35 @@ def test_what_was_answered_before_is_not_asked_again(folder, capsys):
     assert capsys.readouterr().err.count("Answer with") == 2
 
 
+def test_the_simulation_of_a_case_outlasts_the_next_identification(folder, capsys):
+    path = write_simulation(folder / "mine.py")
+    assert main(["mine.csv", "--simulation", path.name, "--goal", "diagnose"]) == 0
+    file = folder / "config" / "cases" / "mine.yaml"
+    before = yaml.safe_load(file.read_text())
+    assert main(["mine.csv"]) == 0
+    assert "the simulation of this case, mine.py, is kept" in capsys.readouterr().err
+    assert yaml.safe_load(file.read_text()) == before
+    path.unlink()
+    assert main(["mine.csv"]) == 2
+    assert "or delete config/cases/mine.yaml" in capsys.readouterr().err
+
+
+def test_an_edited_case_whose_samples_are_averaged_is_not_diagnosed_so(folder, capsys):
+    """Thresholds act on samples, not on their means."""
+    rate, rows = 1000.0, 6000
+    lag = [0.01], [1.0, -0.99]
+    u = lfilter(*lag, np.random.default_rng(6).standard_normal(rows))
+    times = np.arange(rows) / rate
+    slow = pd.DataFrame({"t (s)": times, "u (V)": u, "y (mm)": lfilter(*lag, u)})
+    slow.to_csv("slow.csv", index=False)
+    main(["slow.csv"])
+    file = folder / "config" / "cases" / "slow.yaml"
+    file.write_text(file.read_text().replace("degree: 3", "degree: 2"))
+    write_simulation(folder / "mine.py")
+    assert main(["slow.csv", "--simulation", "mine.py", "--goal", "diagnose"]) == 2
+    assert "and delete `resample`: then `make diagnose NAME=slow`" in capsys.readouterr().err
+
+
 def test_an_edited_case_is_never_written_over(folder, capsys):
     main(["mine.csv"])
     assert main(["mine.csv", "--rate", "20"]) == 0, "what intake wrote itself it may write again"

@@ -1,7 +1,14 @@
 """A record of any file becomes a case: its columns are told apart, its settings inferred."""
 
 from dea.intake.case import Inferred, infer_case
-from dea.intake.case_file import case_name, earlier_answers, known_name, read_case, write_case
+from dea.intake.case_file import (
+    answers_of,
+    case_name,
+    earlier_case,
+    known_name,
+    read_case,
+    write_case,
+)
 from dea.intake.questions import UnansweredError, command
 from dea.intake.roles import Answers
 
@@ -9,9 +16,10 @@ __all__ = [
     "Answers",
     "Inferred",
     "UnansweredError",
+    "answers_of",
     "case_name",
     "command",
-    "earlier_answers",
+    "earlier_case",
     "infer_case",
     "known_name",
     "read_case",

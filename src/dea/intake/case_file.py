@@ -83,8 +83,8 @@ def read_case(file: Path) -> Case:
     return check_case(content, _study(), file)
 
 
-def earlier_answers(file: Path, sheet: str | None, case: Path) -> Answers:
-    """Return what a case of the same file and sheet says of its columns, or nothing.
+def earlier_case(file: Path, sheet: str | None, case: Path) -> Case | None:
+    """Return the case that is there, if it is of the same file and sheet.
 
     Raises
     ------
@@ -92,10 +92,15 @@ def earlier_answers(file: Path, sheet: str | None, case: Path) -> Answers:
         If the case cannot be read.
     """
     if not case.exists():
-        return Answers()
-    record = read_case(case).record
-    if Path(record.file) != file or record.sheet != sheet:
-        return Answers()
+        return None
+    earlier = read_case(case)
+    same = Path(earlier.record.file) == file and earlier.record.sheet == sheet
+    return earlier if same else None
+
+
+def answers_of(case: Case) -> Answers:
+    """Return what a case says of the columns of its file."""
+    record = case.record
     return Answers(
         input=",".join(_told(each) for each in record.driving),
         output=_told(record.output),
@@ -132,10 +137,9 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
     check_case(dict(inferred.content), study, file)
     text = _text(inferred, command)
     if file.exists() and _edited(file.read_text(encoding="utf-8")):
-        simulation = inferred.content.get("simulation")
-        run = f"Run it as it is: `make case NAME={name}`"
-        if simulation is not None:
-            run = f"Write `simulation: {simulation}` into it: then `make diagnose NAME={name}`"
+        run = _with_simulation(inferred.content, file) or (
+            f"Run it as it is: `make case NAME={name}`"
+        )
         raise InputError(
             "it is there already, written or edited by a person",
             file=file,
@@ -148,6 +152,19 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
     with atomic(file) as partial:
         partial.write_text(text, encoding="utf-8")
     return file
+
+
+def _with_simulation(content: Mapping[str, Any], file: Path) -> str | None:
+    """Say what to edit in a case so that the simulation of other content is diagnosed with it."""
+    if (simulation := content.get("simulation")) is None:
+        return None
+    edit = f"Write `simulation: {simulation}` into it"
+    proposed = content["record"].get("resample")
+    if read_case(file).record.resample not in (None, proposed):
+        # The samples of a record are averaged for a model, which would hide thresholds.
+        kept = f"make it `resample: {proposed}`" if proposed else "delete `resample`"
+        edit = f"{edit} and {kept}"
+    return f"{edit}: then `make diagnose NAME={file.stem}`"
 
 
 def _record_of(file: Path) -> str:

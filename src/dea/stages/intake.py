@@ -8,6 +8,7 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
+from dataclasses import replace
 from functools import partial
 from math import inf, nan
 from pathlib import Path
@@ -20,9 +21,10 @@ from dea.errors import InputError
 from dea.intake import (
     Answers,
     UnansweredError,
+    answers_of,
     case_name,
     command,
-    earlier_answers,
+    earlier_case,
     infer_case,
     known_name,
     read_case,
@@ -68,19 +70,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
             rate=_rate(options.rate),
             sheet=options.sheet,
         )
+        file = _CASES / f"{name}.yaml"
+        earlier = earlier_case(options.file, options.sheet, file)
+        kept = earlier.simulation if earlier and options.simulation is None else None
         infer = partial(
             infer_case, options.file,
-            simulation=options.simulation, goal=options.goal, given=given,
+            simulation=options.simulation or kept, goal=options.goal, given=given,
         )  # fmt: skip
         try:
             inferred = infer(answers)
         except UnansweredError:
-            earlier = earlier_answers(options.file, options.sheet, _CASES / f"{name}.yaml")
-            if answers != Answers(sheet=options.sheet) or earlier == Answers():
+            if answers != Answers(sheet=options.sheet) or earlier is None:
                 raise
-            inferred = infer(earlier)
+            inferred = infer(answers_of(earlier))
         if options.simulation is not None:
             _check_simulation(options.simulation, inferred.content["record"], None, "SIMULATION")
+        if kept is not None:
+            _check_simulation(kept, inferred.content["record"], file, "simulation")
+            said = f"the simulation of this case, {kept}, is kept"
+            inferred = replace(inferred, inferred=(*inferred.inferred, said))
         written = write_case(inferred, name, _CASES, command(options.goal, given))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
