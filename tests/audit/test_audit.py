@@ -10,12 +10,13 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dea import archive, provenance
 from dea.audit import Manifest, collect, verify
 from dea.audit.__main__ import main
-from dea.audit.recompute import recompute
+from dea.audit.recompute import _close, recompute
 from dea.audit.verify import Finding, in_order, resting_on, spoilt_by
 from dea.errors import InputError
 
@@ -580,6 +581,14 @@ def test_a_job_after_one_that_read_a_file_beside_its_inputs_is_run_again(study, 
     monkeypatch.setattr("dea.audit.recompute.subprocess.run", again)
     findings = [finding for _, found in recompute(manifest, len(JOBS), seed=1) for finding in found]
     assert findings == []
+
+
+def test_an_infinity_does_not_hide_other_values_that_differ():
+    made = np.array([np.inf, np.nan, 1.0])
+    assert _close(made, made.copy())
+    assert _close(made, made * (1 + 1e-13))
+    assert not _close(made, np.array([np.inf, np.nan, 5.0]))
+    assert not _close(made, np.array([-np.inf, np.nan, 1.0]))
 
 
 def test_products_come_after_those_that_their_jobs_read_beside_their_inputs(study, monkeypatch):

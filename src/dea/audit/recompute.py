@@ -124,5 +124,5 @@ def _close(one: np.ndarray, other: np.ndarray) -> bool:
         return False
     if one.dtype.kind not in "fc":
         return bool(np.array_equal(one, other))
-    size = float(np.nanmax(np.abs(one), initial=0.0))
+    size = float(np.max(np.abs(one[np.isfinite(one)]), initial=0.0))
     return bool(np.allclose(one, other, rtol=TOLERANCE, atol=TOLERANCE * size, equal_nan=True))
