@@ -70,3 +70,13 @@ def test_a_job_keeps_what_its_simulation_reads(project, monkeypatch):
     Path("mine/table.csv").write_text("1,3\n")
     with pytest.raises(InputError, match=r"it was made from another mine/table\.csv"):
         provenance.check(product, provenance.digest(product))
+
+
+def test_what_is_read_after_a_block_within_counts_for_the_block_around(project):
+    Path("later.csv").write_text("1\n")
+    with files_read() as around:
+        with files_read() as within:
+            Path("mine/table.csv").read_text()
+        Path("later.csv").read_text()
+    assert within == {Path("mine/table.csv")}
+    assert around == {Path("mine/table.csv"), Path("later.csv")}

@@ -32,7 +32,8 @@ def files_read() -> Iterator[set[Path]]:
     try:
         yield found
     finally:
-        _opened.remove(opened)
+        # Sets that hold the same are equal.
+        _opened[:] = [other for other in _opened if other is not opened]
     loaded = [module for name, module in sys.modules.items() if name not in imported]
     # A namespace has no file.
     sources = [file for module in loaded if (file := getattr(module, "__file__", None))]
