@@ -15,6 +15,7 @@ from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
 from dea.resolution.question import CERTIFICATE
 from dea.resolution.rounds import ResolutionRound
+from dea.strict_json import as_json, from_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +106,7 @@ class Kept:
         file, table = place / "design.json", place / "excitation.csv"
         remedy = f"Bring it back from a backup, or delete {place} to design it again"
         try:
-            said = json.loads(file.read_text())
+            said = from_json(file.read_text())
             first, designed = said.pop("first_record"), said.pop("sha256")
             followed_from = said.pop("follows_from", None)
             kept = Design(**said | {"u": np.empty(0), "closest": tuple(said["closest"])})
@@ -179,4 +180,4 @@ def _digest(record: "store.Record | xr.Dataset") -> str:
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:
     with store.atomic(path) as partial:
-        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        partial.write_text(as_json(content, 1) + "\n", encoding="utf-8")

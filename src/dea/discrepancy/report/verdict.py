@@ -1,6 +1,5 @@
 """The verdict: what a diagnosis says in numbers and words, and ``verdict.json``."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from dea.discrepancy.search.not_offered import NotOffered, Obstacle
 from dea.errors import InputError
+from dea.strict_json import as_json, from_json
 
 # Joins the names of an effect set in ``verdict.json``.
 _JOINED = "+"
@@ -140,7 +140,7 @@ class Verdict:
         for effect in content["effects"]:
             effect["rivals"] = [_JOINED.join(rival) for rival in effect["rivals"]]
         with atomic(path) as partial:
-            partial.write_text(json.dumps(content, indent=2, allow_nan=True) + "\n")
+            partial.write_text(as_json(content, 2) + "\n")
 
 
 def read_verdict(path: str | Path) -> Verdict:
@@ -155,7 +155,7 @@ def read_verdict(path: str | Path) -> Verdict:
     if not file.exists():
         raise InputError("the file does not exist", file=file)
     try:
-        content: Mapping[str, Any] = json.loads(file.read_text())
+        content: Mapping[str, Any] = from_json(file.read_text())
         effects = tuple(
             NamedEffect(
                 **{
