@@ -1,8 +1,15 @@
 """The thresholds of the verdict, and the criteria made of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from dea.errors import InputError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True)
@@ -90,6 +97,13 @@ class Rules:
     poor: float = 1.3
     detectable: float = 0.2
 
+    def __post_init__(self) -> None:
+        require_numbers(self)
+        if self.margin >= 0.5:
+            raise InputError(
+                f"it is {self.margin}", field="margin", remedy="Give less than 0.5: it is doubled"
+            )
+
     @property
     def needed_gain(self) -> float:
         """Gain (log ratio of errors) that removes ``margin`` of the error."""
@@ -116,6 +130,24 @@ class Rules:
         """Return whether the misfit of an error is that of the ``best`` one, or nearly so."""
         left = max(misfit(best, floor), self.negligible * floor)
         return misfit(error, floor) <= self.rival_margin * left
+
+
+def require_numbers(thresholds: "DataclassInstance") -> None:
+    """Refuse thresholds that are no numbers of 0 or more, or no whole ones where the default is.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    for each in fields(thresholds):
+        value, whole = getattr(thresholds, each.name), isinstance(each.default, int)
+        number = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+        if not number or not 0 <= value < inf:
+            kind = "a whole number" if whole else "a number"
+            raise InputError(
+                f"it is {value!r}", field=each.name, remedy=f"Give {kind} of 0 or more"
+            )
 
 
 def misfit(error: float, floor: float) -> float:

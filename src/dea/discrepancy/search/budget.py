@@ -2,6 +2,11 @@
 
 from dataclasses import dataclass, replace
 
+from dea.discrepancy.rules import require_numbers
+from dea.errors import InputError
+
+_MOST_EFFECTS = 3  # that the force slots of the integrator hold
+
 
 @dataclass(frozen=True)
 class Budget:
@@ -82,6 +87,13 @@ class Budget:
     restarted: int = 8
     decimated: int = 5_000
     long_record: int = 30_000
+
+    def __post_init__(self) -> None:
+        require_numbers(self)
+        if not 1 <= self.effects <= _MOST_EFFECTS:
+            raise InputError(
+                f"it is {self.effects}", field="effects", remedy=f"Give 1 to {_MOST_EFFECTS}"
+            )
 
     def of(self, samples: int, oversampled: bool) -> "Budget":
         """Return the budget for so many samples, which may be many more than the motion needs."""
