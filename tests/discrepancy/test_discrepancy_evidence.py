@@ -21,6 +21,7 @@ from dea.discrepancy.evidence.residual_model import dictionary, residual_model
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
+from dea.discrepancy.search.budget import Budget
 from dea.errors import InputError
 from dea.missing import runs
 from dea.simulation import Input
@@ -37,6 +38,23 @@ def problem_of(u, y, noise=1.0, fit=None, select=None):
 
 
 # Thresholds of the verdict
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Rules(margin=0.6), "margin: it is 0.6. Give less than 0.5"),
+        (lambda: Rules(clean=-1.0), "clean: it is -1.0. Give a number of 0 or more"),
+        (lambda: Rules(part="half"), "part: it is 'half'. Give a number of 0 or more"),
+        (lambda: Rules(near=np.nan), "near: it is nan. Give a number"),
+        (lambda: Budget(effects=4), "effects: it is 4. Give 1 to 3"),
+        (lambda: Budget(beam=1.5), "beam: it is 1.5. Give a whole number of 0 or more"),
+    ],
+)
+def test_a_threshold_that_makes_no_sense_is_refused(make, message):
+    with pytest.raises(InputError) as found:
+        make()
+    assert message in str(found.value)
 
 
 def test_the_misfit_is_the_leg_of_a_right_triangle():
@@ -446,9 +464,9 @@ def test_the_dictionary_holds_what_its_names_say():
     hinges = [name for name in names if name.startswith("max(")]
     assert len(hinges) == 8
     for name in hinges:
-        symbol, level = name[len("max(") : -len(", 0)")].split(" - ", 1)
+        symbol, beside = name[len("max(") : -len(", 0)")].split(" ", 1)
         # A name gives two digits of its level.
-        expected = np.maximum(own[symbol] - float(level), 0.0)
+        expected = np.maximum(own[symbol] + float(beside), 0.0)
         np.testing.assert_allclose(told[name], expected, atol=0.06)
     for symbol, signal in own.items():
         np.testing.assert_allclose(told[f"{symbol}^2"], signal**2)

@@ -5,6 +5,8 @@ import pytest
 import xarray as xr
 
 from dea.discrepancy import Samples, Settings, diagnose
+from dea.discrepancy.evidence.residual_model import dictionary
+from dea.discrepancy.problem import Problem
 from dea.errors import InputError
 from dea.simulation import catalogue, measured_scales, prepared
 from dea.store import signals
@@ -58,3 +60,42 @@ def test_records_sampled_otherwise_are_refused():
 def test_no_record_is_refused():
     with pytest.raises(InputError, match="there is no record"):
         diagnose([], CARRIAGE)
+
+
+def joined(*records):
+    """A problem of records (input, output) one after the other."""
+    u, y = (np.concatenate(signals) for signals in zip(*records, strict=True))
+    everything = np.ones(y.size, bool)
+    return Problem(u, y, INTERVAL, everything, everything, ~everything,
+                   lengths=tuple(len(own) for own, _ in records))  # fmt: skip
+
+
+def test_no_memory_of_a_record_reaches_into_the_next():
+    """What came before a record, forwards or backwards in time, changes no memory of its own."""
+    rng = np.random.default_rng(4)
+    before, own = (np.cumsum(rng.standard_normal((2, 300)), axis=1) for _ in range(2))
+
+    def memories(other):
+        problem = joined(other, own)
+        names, columns = dictionary(problem, problem.y)
+        return {
+            name: column[300:]
+            for name, column in zip(names, columns.T, strict=True)
+            if name.startswith(("lag(", "play("))
+        }
+
+    forwards, backwards = memories(before), memories(before[:, ::-1])
+    assert len(forwards) > 6
+    for name, memory in forwards.items():
+        np.testing.assert_allclose(memory, backwards[name], atol=1e-9, err_msg=name)
+
+
+def test_no_block_holds_samples_of_two_records():
+    problem = joined((np.zeros(300), np.zeros(300)), (np.zeros(200), np.zeros(200)))
+    assert problem.blocks(1e9) == [slice(0, 300), slice(300, 500)]
+    assert {block.stop for block in problem.blocks(100)} >= {300, 500}
+
+
+def test_the_rate_of_a_signal_has_no_step_between_records():
+    problem = joined((np.zeros(50), np.zeros(50)), (np.zeros(50), np.ones(50)))
+    np.testing.assert_array_equal(problem.rate_of(problem.y), 0.0)

@@ -169,6 +169,16 @@ def is_noise(residual, blocks=BLOCKS):
     return is_coloured_noise(record_of(u, residual), residual, blocks)
 
 
+def test_blocks_hardly_longer_than_the_memory_do_not_hide_that_noise_is_noise():
+    """A block of 21 samples leaves one innovation of a model of order 20, which has no spread."""
+    rng = np.random.default_rng(3)
+    spectrum = np.zeros(21)
+    spectrum[[0, 20]] = 1.0, -0.7
+    residual = lfilter([1.0], spectrum, rng.standard_normal(N))
+    blocks = [slice(0, 21), slice(21, 43), *(slice(k, k + 250) for k in range(250, N, 250))]
+    assert is_noise(residual, blocks)
+
+
 @pytest.mark.parametrize(("excess", "noise"), [(-1.0, True), (0.92, True), (1.08, False)])
 def test_noise_has_an_excess_kurtosis_of_no_more_than_one(excess, noise):
     quantiles = norm.ppf((np.arange(BLOCK) + 0.5) / BLOCK)
@@ -383,6 +393,20 @@ def test_short_gaps_do_not_cut_blocks():
         np.zeros(100), np.zeros(100), 0.02, seen & measured, seen & False, ~seen, measured=measured
     )
     assert runs(problem.bridged) == [slice(11, 50), slice(59, 85)]
+
+
+def test_outputs_of_the_certified_block_choose_nothing():
+    """Neither its noise nor its range reaches what a search compares candidates with."""
+    rng = np.random.default_rng(5)
+    certify = np.zeros(1000, bool)
+    certify[400:600] = True
+    y = rng.standard_normal(1000)
+    problem = Problem(y, y, 0.02, ~certify, certify & False, certify)
+    far = replace(problem, y=np.where(certify, 1e3 * y, y))
+    np.testing.assert_array_equal(far.uncertified.y, problem.uncertified.y)
+    blocks = problem.noise_blocks
+    assert not any(certify[block].any() for block in blocks)
+    assert white_level(far.y, blocks) == white_level(y, blocks)
 
 
 def test_readings_that_a_limit_holds_are_told_from_those_of_a_coarse_converter():

@@ -38,9 +38,9 @@ def moved(force):
 
 
 def fitted(y):
-    problem, parts, extended = prepare([Samples(U, y, DT)], CARRIAGE, Settings())
+    problem, _, extended = prepare([Samples(U, y, DT)], CARRIAGE, Settings())
     found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
-    return problem, found, parts.blocks(problem.seen, N / 8)
+    return problem, found, problem.blocks(N / 8)
 
 
 def noise(colour):

@@ -27,7 +27,6 @@ from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
-from dea.discrepancy.evidence.noise import at_a_limit, quantisation
 from dea.discrepancy.evidence.null import null_gain
 from dea.discrepancy.evidence.presence import (
     Presence,
@@ -142,15 +141,12 @@ def diagnose(
             field="force_ports",
             remedy="Declare its force ports, or offer effects of other ports",
         )
-    whole = parts.blocks(problem.bridged, max(problem.size / 8, 64))
-    white = noise_floor(rounds, whole, problem.known & ~at_a_limit(problem.y))
-    white = max(white, quantisation(problem.y[problem.known]))
+    white = noise_floor(problem, rounds)
     rounds = unfinish_degenerate(problem, rounds, rules, white, workers)
     singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
-    length = max(problem.size / settings.blocks, parts.spacing)
-    blocks = parts.blocks(problem.bridged, length)
+    blocks = problem.blocks(max(problem.size / settings.blocks, parts.spacing))
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, white, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))

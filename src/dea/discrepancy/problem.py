@@ -1,16 +1,18 @@
 """A record to be explained: its signals, the roles of its samples, and its noise."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from dea.discrepancy.evidence.period import period_of
+from dea.discrepancy.evidence.split import cut
 from dea.missing import filled, runs
-from dea.simulation import ExtendedSimulation
+from dea.simulation import ExtendedSimulation, samples_of_each
 
 _BRIDGED = 8  # samples of a missing stretch across which a residual is interpolated
+_FOR_NOISE = 8, 64  # blocks of the noise level in a record, and their least number of samples
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,8 @@ class Problem(Samples):
         Samples of the record as it was given to each of these.
     oversampled : bool
         Whether the record is sampled so much faster than it moves that it may be decimated.
+    lengths : tuple of int
+        Samples of each of several records that are joined; empty for one.
     """
 
     fit: np.ndarray
@@ -63,6 +67,7 @@ class Problem(Samples):
     measured: np.ndarray | None = None
     decimation: int = 1
     oversampled: bool = False
+    lengths: tuple[int, ...] = ()
 
     @property
     def recorded_samples(self) -> int:
@@ -90,6 +95,26 @@ class Problem(Samples):
         result: np.ndarray = self.fit | self.select
         return result
 
+    @property
+    def records(self) -> list[slice]:
+        """The samples of each record."""
+        return samples_of_each(self.lengths or (self.size,))
+
+    def of_each_record(
+        self, change: Callable[[np.ndarray], np.ndarray], signal: np.ndarray
+    ) -> np.ndarray:
+        """Return a signal (n,) of which each record is changed by itself: its past is its own."""
+        return np.concatenate([change(signal[own]) for own in self.records])
+
+    def rate_of(self, signal: np.ndarray) -> np.ndarray:
+        """Return the change per second of a signal (n,)."""
+        return self.of_each_record(lambda own: np.gradient(own, self.interval), signal)
+
+    @cached_property
+    def uncertified(self) -> "Problem":
+        """The record with outputs interpolated over the certified samples, which choose nothing."""
+        return replace(self, y=filled(np.where(self.certify, np.nan, self.y))[0])
+
     @cached_property
     def bridged(self) -> np.ndarray:
         """Samples seen, and short stretches of missing outputs between them, shape (n,).
@@ -103,6 +128,23 @@ class Problem(Samples):
             if inside and missing.stop - missing.start <= _BRIDGED:
                 result[missing] = self.seen[missing.start - 1] and self.seen[missing.stop]
         return result
+
+    def blocks(self, length: float) -> list[slice]:
+        """Cut what is :attr:`bridged`, in each record, into blocks of about ``length`` samples."""
+        return cut(
+            (
+                slice(own.start + run.start, own.start + run.stop)
+                for own in self.records
+                for run in runs(self.bridged[own])
+            ),
+            length,
+        )
+
+    @property
+    def noise_blocks(self) -> list[slice]:
+        """Blocks that are long enough to show the level of white noise."""
+        parts, shortest = _FOR_NOISE
+        return self.blocks(max(self.size / parts, shortest))
 
     def seen_rmse(self, residual: np.ndarray) -> float:
         """Return the RMSE over all samples seen; infinite if ``residual`` is at any of them.

@@ -162,6 +162,7 @@ def prepare(
         seen,
         factor,
         oversampled,
+        extended.lengths,
     )
     return problem, parts, extended
 

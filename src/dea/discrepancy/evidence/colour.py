@@ -20,6 +20,7 @@ PREDICTED = 0.2
 # Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
+_TELLING = 20  # innovations of a block that show its level
 # Lags at which signs are compared, the part of the samples that have another one so far ahead, and
 # the probability with which white noise fails.
 _SIGNS, _PAIRS, _CHANCE = 50, 0.2, 1e-3
@@ -46,7 +47,10 @@ def is_coloured_noise(
     if len(parts) < 2:  # nothing says whether it is as large everywhere
         return False
     colour = fit_autoregression(parts)
-    sharp, uneven = _shape([innovations(colour, part) for part in parts])
+    white = [innovations(colour, part) for part in parts if part.size >= colour.order + _TELLING]
+    if len(white) < 2:
+        return False
+    sharp, uneven = _shape(white)
     return (
         sharp <= _KURTOSIS
         and uneven <= _UNEVEN
@@ -151,7 +155,7 @@ def follows_energy(problem: Problem, residual: np.ndarray, most: float = PREDICT
         )
         return bool(here > max(elsewhere) and here**2 > most)
 
-    return shared(motion - motion.mean()) or shared(np.gradient(motion))
+    return shared(motion - motion.mean()) or shared(problem.rate_of(motion))
 
 
 def _follows_input(problem: Problem, residual: np.ndarray) -> float:
@@ -159,7 +163,7 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
 
     A dynamic error of the simulation shows there, whatever its time constants.
     """
-    X = np.column_stack([_past(u) for u in by_input(problem.u)])
+    X = np.column_stack([problem.of_each_record(_past, u) for u in by_input(problem.u)])
     return part_predicted(problem, residual, X, (_RIDGE,))
 
 

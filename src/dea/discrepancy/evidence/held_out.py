@@ -1,6 +1,7 @@
 """Held-out residuals: of each block, by parameters that were not fitted to it."""
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     dealt singly.
     """
     short = [[block] for own in courses for block in _short(problem, own)]
-    groups = short or _spanning(runs(problem.bridged), problem.period)
+    groups = short or _spanning(problem.blocks(inf), problem.period)
     count = min(_FOLDS, len(groups))
     dealt = []
     for first in range(count):

@@ -266,18 +266,18 @@ def _quantities(
     for record in records:
         time[record] -= time[record.start]
     simulated = problem.y - np.where(np.isfinite(residual), residual, 0.0)
-    rate = np.gradient(simulated, problem.interval)
+    rate = problem.rate_of(simulated)
     still = 0.05 * np.std(rate)
     direction = np.where(rate > still, 2.0, np.where(rate < -still, 0.0, 1.0))
-    turned = np.flatnonzero(np.diff(np.sign(rate)) != 0)
-    last = np.concatenate([[0], turned + 1])
+    turned = 1 + np.flatnonzero(np.diff(np.sign(rate)) != 0)
+    last = np.union1d([own.start for own in problem.records], turned)
     since = np.arange(rate.size) - last[np.searchsorted(last, np.arange(rate.size), "right") - 1]
     found = {"time": _Quantity(time, "s", "time", "time", "")}
     several = len(inputs) > 1
     for name, called, u, own in inputs:
         found[name] = _Quantity(u, own, "input", called, called if several else "the input")
     for name, called, u, own in inputs:
-        rates = np.gradient(u, problem.interval)
+        rates = problem.rate_of(u)
         said, of = (f"rate of {called}", called) if several else ("input_rate", "the input")
         found[f"{name}_rate"] = _Quantity(rates, f"{own}/s", "input_rate", said, of)
     for name, values, own in (

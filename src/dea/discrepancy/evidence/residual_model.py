@@ -11,6 +11,7 @@ in Brunton, Proctor and Kutz (2016), PNAS 113:3932.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -72,18 +73,19 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
         terms[f"{first} {second}"] = driving[first] * driving[second]
     for name, u in driving.items():
         for level in np.quantile(u, [0.1, 0.25, 0.75, 0.9]):
-            terms[f"max({name} - {level:.2g}, 0)"] = np.maximum(u - level, 0)
+            terms[f"max({name} {-level:+.2g}, 0)"] = np.maximum(u - level, 0)
     for level in np.quantile(y, [0.1, 0.25, 0.75, 0.9]):
-        terms[f"max(y - {level:.2g}, 0)"] = np.maximum(y - level, 0)
+        terms[f"max(y {-level:+.2g}, 0)"] = np.maximum(y - level, 0)
     tau = 3.0 * problem.interval
     while tau < 0.3 * t[-1]:
         powers = [(f"{name}{power}", u**degree) for name, u in driving.items()
                   for power, degree in (("", 1), ("^2", 2))]  # fmt: skip
         for name, signal in (*powers, ("y^2", y**2)):
-            terms[f"lag({name}, {tau:.2g} s)"] = low_pass(signal, [tau / problem.interval, 1.0])
+            lag = partial(low_pass, polynomial=[tau / problem.interval, 1.0])
+            terms[f"lag({name}, {tau:.2g} s)"] = problem.of_each_record(lag, signal)
         tau *= 3.0
     for radius in (0.2, 0.6, 1.2):
-        terms[f"play(y, {radius:g})"] = play(y, radius)
+        terms[f"play(y, {radius:g})"] = problem.of_each_record(partial(play, radius=radius), y)
     x = 2.0 * t / t[-1] - 1.0
     for degree in range(1, 7):
         slow = np.polynomial.legendre.Legendre.basis(degree)(x)
@@ -98,8 +100,8 @@ def _signals(problem: Problem, simulated: np.ndarray) -> dict[str, np.ndarray]:
     inputs = by_input(problem.u)
     signals = {input_symbol(k, len(inputs)): u for k, u in enumerate(inputs)}
     signals["y"] = simulated
-    signals |= {f"{name}'": np.gradient(each, problem.interval) for name, each in signals.items()}
-    signals["y''"] = np.gradient(signals["y'"], problem.interval)
+    signals |= {f"{name}'": problem.rate_of(each) for name, each in signals.items()}
+    signals["y''"] = problem.rate_of(signals["y'"])
     return signals
 
 

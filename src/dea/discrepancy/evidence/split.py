@@ -10,7 +10,6 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.inputs import by_input
-from dea.missing import runs
 
 # Between blocks lie as many of the slowest time constants, or fewer where the record is short.
 _TIME_CONSTANTS = 3.0
@@ -72,10 +71,6 @@ class Split:
     def close(self) -> bool:
         """Whether the record is too short for blocks as far apart as they ought to be."""
         return self.time_constants < _TIME_CONSTANTS
-
-    def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
-        """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
-        return cut(runs(mask), length)
 
 
 def cut(blocks: Iterable[slice], length: float) -> list[slice]:

@@ -96,7 +96,7 @@ def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
 
     It is that to the run with a force of nothing, whose steps see the same secants.
     """
-    scales = measured_scales(fitted.extended, fitted.values, problem, port)
+    scales = measured_scales(fitted.extended, fitted.values, problem.uncertified, port)
     pushed = fitted.extended.attach(_effect(_speed(problem, fitted)), scales, port)
     law = np.array([p.nominal for p in pushed.attached[-1].parameters])
 

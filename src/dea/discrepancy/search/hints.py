@@ -28,10 +28,11 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 
     Of several inputs the one with most power at a frequency counts there.
     """
-    frequency, power = _spectrum(_seen(problem, residual), problem.interval)
+    own = _longest(problem)
+    frequency, power = _spectrum(_seen(problem, residual)[own], problem.interval)
     driving = []
     for each in by_input(problem.u):
-        drive = _spectrum(each, problem.interval)[1]
+        drive = _spectrum(each[own], problem.interval)[1]
         surroundings = np.convolve(drive, np.ones(9) / 9, "same")
         driving.append(surroundings / (surroundings.max() or 1.0))
     ratio = power / (np.max(driving, axis=0) + 1e-3)
@@ -49,7 +50,8 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     input's period would explain it. Elsewhere the sharpest lines come first: what the simulation
     lacks besides is broad, and may yet be higher.
     """
-    frequency, power = _spectrum(_seen(problem, residual), problem.interval)
+    own = _longest(problem)
+    frequency, power = _spectrum(_seen(problem, residual)[own], problem.interval)
     if not problem.period:
         sharpness = power / (_around(power) + 1e-300)
         noise = (power <= _LEAST * power.max()) | (sharpness <= _SHARP)
@@ -84,6 +86,14 @@ def _seen(problem: Problem, residual: np.ndarray) -> np.ndarray:
     A frequency or an instant is often determined by its start alone.
     """
     return filled(np.where(problem.certify, np.nan, residual))[0]
+
+
+def _longest(problem: Problem) -> slice:
+    """Return the samples of the longest record, in which a line is sharpest.
+
+    Where records join, its phase jumps.
+    """
+    return max(problem.records, key=lambda own: own.stop - own.start)
 
 
 def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
@@ -133,7 +143,7 @@ def jumps(problem: Problem, residual: np.ndarray, records: Sequence[slice]) -> t
             score = np.abs(np.cumsum(weighted - weighted.mean())[:-1]) / np.sqrt(k * (n - k) / n)
             for _ in range(_JUMPS):
                 at = int(np.argmax(score))
-                found.append(at * problem.interval)
+                found.append((at + 1) * problem.interval)
                 score[max(0, at - n // 20) : at + n // 20] = 0.0
     longest = max(own.stop - own.start for own in records)
     grid = (np.arange(_GRID) + 0.5) / _GRID * longest * problem.interval

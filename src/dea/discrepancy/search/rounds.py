@@ -143,12 +143,11 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     Laws with corners give the cost kinks at which a fit can stop early. A second or third effect
     has been fitted from enough starts already.
     """
-    whole = [slice(0, problem.size)]
     best = fitted_again(problem, fitted, budget)
     own = fitted.extended.of_laws
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
-        noise = white_level(best.residual, whole, problem.known)
+        noise = white_level(best.residual, problem.noise_blocks, problem.known)
         if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
             break
         shaken = replace(best, coordinates=best.coordinates + np.where(own, push, 0.0))
@@ -222,7 +221,7 @@ def _offers(
     @cache
     def scales(at_input: int) -> Scales:
         return replace(
-            measured_scales(extended, before.values, problem, at_input=at_input),
+            measured_scales(extended, before.values, problem.uncertified, at_input=at_input),
             frequencies=frequencies,
             foreign_frequencies=foreign,
             jumps=instants,

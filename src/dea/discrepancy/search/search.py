@@ -12,9 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
-import numpy as np
-
-from dea.discrepancy.evidence.noise import white_level
+from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
@@ -193,8 +191,8 @@ class Search:
 
     def _lowest_level(self, candidates: Sequence[Candidate]) -> float:
         problem, residuals = self.problem, [c.fit.residual for c in candidates]
-        whole = [slice(0, problem.size)]
-        return min(white_level(each, whole, problem.known) for each in residuals)
+        blocks = problem.noise_blocks
+        return min(white_level(each, blocks, problem.known) for each in residuals)
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
@@ -207,8 +205,13 @@ def finished_of(rounds: Sequence[Round]) -> list[Candidate]:
     return [c for c in pool_of(rounds) if c.finished]
 
 
-def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice], known: np.ndarray) -> float:
-    """Return the lowest white level that any simulation leaves over, where outputs are known."""
+def noise_floor(problem: Problem, rounds: Sequence[Round]) -> float:
+    """Return the lowest white level that any simulation leaves over, or that of rounding.
+
+    Where a limit holds the reading its noise does not show.
+    """
+    known = problem.known & ~at_a_limit(problem.uncertified.y)
     residuals = [rounds[0].before.residual]
     residuals += [c.fit.residual for r in rounds for c in r.candidates[:3] if c.finished]
-    return min(white_level(residual, blocks, known) for residual in residuals)
+    white = min(white_level(residual, problem.noise_blocks, known) for residual in residuals)
+    return max(white, quantisation(problem.y[problem.seen]))

@@ -62,7 +62,7 @@ def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
     An effect that acts at one end of the range, such as a limit or a threshold, is absent from
     the other half, so that the fit to that half estimates the parameters without bias.
     """
-    middle = np.median(problem.y)
+    middle = np.median(problem.y[problem.seen])
     parts = []
     for half in (problem.y <= middle, problem.y >= middle):
         fitted = fit(problem.seeing(half), near.extended, near.coordinates, iterations=_ITERATIONS)
