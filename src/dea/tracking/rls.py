@@ -37,7 +37,8 @@ class RlsState(NamedTuple):
 
     ``U`` (p, p) and ``z`` (p,) are U_n b = z of b = theta - target, so that the leakage pulls b to
     zero; ``V`` (p, p) is the transposed inverse of U, ``theta`` (p,) the estimate, ``sums`` (2,)
-    the weighted squared residuals and the weight; ``row`` (p,) is room for a rotation.
+    the least weighted sum of squares, with those of the pulls, and the weight of the samples;
+    ``row`` (p,) is room for a rotation.
     """
 
     U: Array
@@ -85,7 +86,8 @@ def recursive_least_squares(
     Returns
     -------
     RlsTrack
-        The variances are sigma_n^2 P_n, with sigma_n^2 the weighted mean of the squared residuals.
+        The variances are sigma_n^2 P_n, with sigma_n^2 the least of the sum above over the weight
+        of its samples: what the pulls add counts as residuals, as for a conjugate prior.
 
     Raises
     ------
