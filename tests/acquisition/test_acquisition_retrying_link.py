@@ -11,6 +11,7 @@ from pymodbus.pdu import ExceptionResponse
 from pymodbus.pdu.register_message import ReadHoldingRegistersResponse
 
 from dea.acquisition import DeviceRefusedError, Link, LinkError, LinkSettings, StoppedError
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LONGEST_SLEEP
 from dea.modbus import read_device
@@ -102,6 +103,36 @@ def test_any_other_refusal_ends_the_request_after_its_retries(monkeypatch, code,
 def test_a_device_that_stays_busy_is_given_up(monkeypatch):
     with pytest.raises(DeviceRefusedError, match="exception 6"):
         read_from(monkeypatch, BusyClient(6, length=30.0), reconnect_time=0.3)
+
+
+class RefusingClient:
+    """Refuses the first requests as busy; each reply takes a while of the clock."""
+
+    def __init__(self, clock, refused, reply):
+        self.clock, self.left, self.reply, self.sent = clock, refused, reply, []
+
+    def execute(self, no_response_expected, request):
+        self.sent.append(self.clock.now)
+        self.clock.sleep(self.reply)
+        self.left -= 1
+        if self.left >= 0:
+            return ExceptionResponse(request.function_code, 6)
+        return ReadHoldingRegistersResponse(registers=[7] * request.count)
+
+    def close(self):
+        pass
+
+
+def test_the_round_trip_is_that_of_the_attempt_that_was_answered(monkeypatch):
+    clock = Clock()
+    client = RefusingClient(clock, refused=2, reply=0.001)
+    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda device, timeout: client)
+    link = Link(read_device(DESCRIPTION), SETTINGS, LinkLog(started=0.0))
+    assert link.read(0, 2) == [7, 7]
+    assert link.log.retries == [2]
+    assert link.log.send_time == client.sent[-1:]
+    assert link.log.receive_time == pytest.approx([client.sent[-1] + 0.001])
 
 
 def test_a_rest_lasts_its_whole_time_and_checks_meanwhile(monkeypatch):

@@ -178,15 +178,14 @@ class Link:
         ``retry``, it is sent once.
         """
         request.dev_id = self.device.unit_id
-        sent = time.monotonic()
-        deadline, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
+        deadline, pause = time.monotonic() + self.settings.reconnect_time, FIRST_PAUSE
         for attempt in itertools.count():
             if self.check is not None:
                 self.check()
             try:
                 if self.client is None:
                     self._reconnect()
-                    sent = time.monotonic()
+                sent = time.monotonic()
                 registers = self._attempt(request)
             except (DeviceRefusedError, *_TRANSIENT) as error:
                 last, lost = error, isinstance(error, _LOST)
