@@ -89,7 +89,9 @@ def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
     drawn = sample(campaign)
     if not drawn:
         rooms = ", ".join(campaign.rooms)
-        raise InputError("no place of these rooms can be changed", field=rooms)
+        raise InputError(
+            "no place of these rooms can be changed", field=rooms, remedy="Name others"
+        )
     known = _known(results)
     workplaces: SimpleQueue[Workplace] = SimpleQueue()
     copies = [

@@ -139,6 +139,13 @@ def test_a_negative_or_unbounded_variance_is_refused(noise_ratio, prior_variance
         smooth(np.ones((3, 1)), np.ones(3), theta_0=np.zeros(1), **variances)
 
 
+@pytest.mark.parametrize("field", ["noise_ratio", "prior_variance"])
+def test_the_variance_that_is_refused_is_named(field):
+    variances = {"noise_ratio": np.ones(1), "prior_variance": 1.0, field: np.full(1, -1.0)}
+    with pytest.raises(InputError, match=f"^{field}: .*Give finite variances"):
+        smooth(np.ones((3, 1)), np.ones(3), theta_0=np.zeros(1), **variances)
+
+
 def test_a_sample_that_is_asked_for_twice_has_the_same_covariance_twice():
     rng = np.random.default_rng(8)
     Phi, y = rng.standard_normal((50, 2)), rng.standard_normal(50)

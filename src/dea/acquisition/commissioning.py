@@ -47,7 +47,12 @@ def commission(
     """
     limits = device["output"].limits
     if limits is None:
-        raise InputError("no limits", file=device.source, field="registers.output.limits")
+        raise InputError(
+            "no limits",
+            file=device.source,
+            field="registers.output.limits",
+            remedy="Give the lowest and the highest voltage that film and amplifier bear",
+        )
     stairs = np.linspace(0.0, share * limits[1], STEPS + 1)[1:]
     hold = max(round(HOLD * device.sampling_rate), 10)
     polled = replace(settings, mode="polled", paced=True)

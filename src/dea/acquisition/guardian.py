@@ -187,12 +187,20 @@ class Guardian:
         """
         self._tell()
         if self._signal is not None:
-            raise InputError(f"the guardian was sent {self._signal} while it waited for its lock")
+            raise InputError(
+                f"the guardian was sent {self._signal} while it waited for its lock",
+                remedy="See what drives: `python -m dea.acquisition status`.",
+            )
         if (
             time.monotonic() - self._started > self.job.settings.reconnect_time
             and self.job.replaces
         ):
-            self._raise_alarm(InputError("another program has the lock of the output"))
+            self._raise_alarm(
+                InputError(
+                    "another program has the lock of the output",
+                    remedy="End it, or see `python -m dea.acquisition status`",
+                )
+            )
 
     def _last_known(self) -> float | None:
         """Return what the guardian before asked for last, V, or None where nobody knows.

@@ -197,7 +197,11 @@ def _refuse_without_folder(folder: Path) -> None:
     except FileExistsError:
         pass
     except OSError as error:
-        raise InputError(f"a trip could not be kept there ({error})", file=folder) from error
+        raise InputError(
+            f"a trip could not be kept there ({error})",
+            file=folder,
+            remedy="Make it a folder to which all accounts that drive may write.",
+        ) from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(
             "a trip could not be kept there: this account may not write to it",

@@ -198,7 +198,11 @@ def recover(path: Path) -> Recovered:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f"cannot be read: {error}", file=path) from error
+        raise InputError(
+            f"cannot be read: {error}",
+            file=path,
+            remedy="Correct the path, or get the right to read it.",
+        ) from error
     payloads, damaged = _intact(data)
     if not (data.startswith(HEADING) or payloads):
         raise InputError(

@@ -45,7 +45,9 @@ def rescue(partial: Path, description: Path | None = None) -> Rescued:
     found = recover(partial)
     heading = next((note for note in found.notes if "device" in note), None)
     if heading is None or not found.samples.position.size:
-        raise InputError("holds no samples", file=partial)
+        raise InputError(
+            "holds no samples", file=partial, remedy="Nothing can be rescued: record it again"
+        )
     device = _device(heading, partial, description)
     settings = heading.get("settings", {})  # a file of an earlier version may hold none
     record = kept_record(

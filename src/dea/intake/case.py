@@ -139,7 +139,10 @@ def _known(table: store.ForeignTable, roles: Roles, time: Array) -> NDArray[np.b
         store.require_squares(table.columns[name], name)
         known &= np.isfinite(table.columns[name])
     if np.count_nonzero(known) < 3:
-        raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
+        raise InputError(
+            f"{np.count_nonzero(known)} rows have both input and output",
+            remedy="Record at least three, or name other columns: INPUT=volts OUTPUT=position",
+        )
     return known
 
 

@@ -89,7 +89,11 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
 
     file = Path(path)
     if not file.exists():
-        raise InputError("the file does not exist", file=file)
+        raise InputError(
+            "the file does not exist",
+            file=file,
+            remedy="Correct the path, or make it with `dea.diagnose` or the rule diagnose",
+        )
     content = yaml.safe_load(file.read_text())
     try:
         effects = content["effects"]

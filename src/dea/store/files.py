@@ -93,7 +93,9 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
     """
     path = Path(path)
     if not path.exists():
-        raise InputError("the file does not exist", file=path)
+        raise InputError(
+            "the file does not exist", file=path, remedy="Correct the path, or make it first"
+        )
     try:
         # Times are plain seconds since the start, which the decoder would turn into dates.
         with xr.open_dataset(path, engine="netcdf4", decode_times=False) as opened:

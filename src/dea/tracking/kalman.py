@@ -210,9 +210,11 @@ def _arrays(
     p = Phi.shape[1]
     q = np.array(np.broadcast_to(noise_ratio, p), dtype=float)
     prior = np.array(np.broadcast_to(prior_variance, p), dtype=float)
-    variances = np.concatenate([q, prior])
-    if not np.all(np.isfinite(variances) & (variances >= 0.0)):
-        raise InputError(
-            "a variance is negative or not finite", field="noise_ratio or prior_variance"
-        )
+    for field, variances in (("noise_ratio", q), ("prior_variance", prior)):
+        if not np.all(np.isfinite(variances) & (variances >= 0.0)):
+            raise InputError(
+                "a variance is negative or not finite",
+                field=field,
+                remedy="Give finite variances from 0 on",
+            )
     return Phi, y, q, np.array(theta_0, dtype=float), np.diag(prior)

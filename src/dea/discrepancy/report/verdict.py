@@ -153,7 +153,9 @@ def read_verdict(path: str | Path) -> Verdict:
     """
     file = Path(path)
     if not file.exists():
-        raise InputError("the file does not exist", file=file)
+        raise InputError(
+            "the file does not exist", file=file, remedy="Correct the path, or diagnose it first"
+        )
     try:
         content: Mapping[str, Any] = from_json(file.read_text())
         effects = tuple(
