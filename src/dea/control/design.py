@@ -16,7 +16,7 @@ from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.errors import InputError
-from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
+from dea.gfrf import ResponseBand, frequency_response_band, zero_input_response
 from dea.missing import filled
 from dea.narx import NarxModel, rate_of
 from dea.tracking import with_constant
@@ -244,10 +244,7 @@ def rests_of(
     """
     inputs = np.linspace(*limits, _TRIED)
     found = np.array(
-        [
-            float(zero_input_interval(model, operating_point=u, allow_missing=True).value)
-            for u in inputs
-        ]
+        [float(zero_input_response(model, operating_point=u, allow_missing=True)) for u in inputs]
     )
     rising = np.flatnonzero(np.diff(found) > 0.0)
     if not rising.size:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from dea.arrays import Array
 from dea.errors import InputError
-from dea.gfrf import Instants, linear_part, zero_input_interval
+from dea.gfrf import Instants, linear_part, zero_input_interval, zero_input_response
 from dea.narx import LEVEL, Interval, NarxModel, quantile, rate_of
 
 if TYPE_CHECKING:
@@ -139,13 +139,12 @@ def linearise_over_time(
         If the track is of other terms, or the model comes to rest at no instant.
     """
     instants = Instants.of(track, model)
-    rests = zero_input_interval(
+    rests = zero_input_response(
         model,
         parameters=instants.theta,
-        covariance=instants.covariance,
         operating_point=operating_point,
         allow_missing=True,
-    ).value
+    )
     found = {
         float(time): linearise(
             model,
