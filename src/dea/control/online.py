@@ -9,9 +9,14 @@ from numpy.typing import ArrayLike
 from dea.arrays import Array
 from dea.control import online_kernels
 from dea.errors import InputError
-from dea.missing import filled
 from dea.narx import BOUND, NarxModel, padded_lags, regressor_matrix, simulate
-from dea.tracking import check_settings, initial_state, root_mean_square, with_constant
+from dea.tracking import (
+    check_settings,
+    initial_state,
+    normalised_signals,
+    root_mean_square,
+    with_constant,
+)
 
 
 def scale_of_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Array:
@@ -25,14 +30,11 @@ def scale_of_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Array:
     Raises
     ------
     InputError
-        As :meth:`dea.narx.NarxModel.predict`, which checks the record.
+        As :meth:`dea.narx.NarxModel.predict`.
     """
-    tracked, scaling = with_constant(model), model.scaling
-    outputs, _ = filled(np.asarray(y, dtype=float))
-    tracked.predict(u, outputs)
-    inputs = scaling.normalise_input(np.asarray(u, dtype=float))
-    Phi = regressor_matrix(tracked.terms, inputs, scaling.normalise_output(outputs))
-    return root_mean_square(Phi)
+    tracked = with_constant(model)
+    signals = normalised_signals(tracked, u, y)
+    return root_mean_square(regressor_matrix(tracked.terms, signals.u, signals.y))
 
 
 class OnlineTracker:

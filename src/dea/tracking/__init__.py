@@ -1,6 +1,6 @@
 """Parameters that change with time: recursive least squares and Kalman smoothing."""
 
-from dea.tracking.free_runs import compare_free_runs
+from dea.tracking.free_runs import compare_free_runs, normalised_signals
 from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.random_walk import root_mean_square
 from dea.tracking.rls import RlsState, initial_state, recursive_least_squares, update
@@ -16,6 +16,7 @@ __all__ = [
     "fit_noise_ratio",
     "initial_state",
     "log_likelihood",
+    "normalised_signals",
     "recursive_least_squares",
     "root_mean_square",
     "smooth",

@@ -13,10 +13,9 @@ from dea.missing import filled
 from dea.narx import (
     LEVEL,
     NarxModel,
-    as_input,
     as_signal,
     covariance_of,
-    input_of,
+    pair,
     quantile,
     simulate,
     simulate_varying,
@@ -162,12 +161,12 @@ def normalised_signals(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Normalis
     Raises
     ------
     InputError
-        As :meth:`dea.narx.NarxModel.predict`, which checks the record.
+        As :meth:`dea.narx.NarxModel.predict`.
     """
     outputs, seen = filled(as_signal(y, "y", missing=True))
-    model.predict(u, outputs)
+    inputs, _ = pair(model.labels, u, outputs, model.max_lag)
     return NormalisedSignals(
-        model.scaling.normalise_input(as_input(input_of(model.labels, u))),
+        model.scaling.normalise_input(inputs),
         model.scaling.normalise_output(outputs),
         seen,
     )
