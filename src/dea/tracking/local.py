@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.missing import runs
 from dea.narx import FreeRunFit, NarxModel, curvature, fit_free_runs
 from dea.tracking.scatter import widened
 
@@ -184,9 +185,7 @@ def _least(model: NarxModel) -> int:
 
 def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:
     """Return the stretches without a missing output that have ``least`` samples."""
-    seen = np.concatenate([[False], ~np.isnan(y), [False]])
-    edges = np.flatnonzero(seen[1:] != seen[:-1]).reshape(-1, 2)
-    return [(u[a:b], y[a:b]) for a, b in edges if b - a >= least]
+    return [(u[run], y[run]) for run in runs(~np.isnan(y)) if run.stop - run.start >= least]
 
 
 def _fitted(
