@@ -6,7 +6,7 @@ first made white by an autoregression, so that drift and coloured noise, which n
 not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhitening).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,29 +14,20 @@ import numpy as np
 from dea.arrays import Array
 from dea.autoregression import fit_autoregression, innovations
 from dea.inputs import by_input, input_count
-from dea.narx.residuals import PAIR_TEST, correlation, each_test, product
+from dea.narx.residuals import PAIR_TEST, RELATIONS, correlation, each_test
 from dea.number_format import written_out
 
 LEVEL = 0.05  # of all tests of a system together
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
 
 
-class _Relation(NamedTuple):
-    """What a test looks for: the signal whose past it is of, and in what of the residual."""
-
-    meaning: str  # of the names of the inputs, and of the same without an article
-    signal: Callable[[Array, Array, Array], Array]  # of residual and two inputs
-    in_power: bool = False
-
-
-_RELATIONS = {
-    "phi_eu": _Relation("{0}", lambda e, u, v: u),
-    "phi_e(eu)": _Relation("the product of residual and {short[0]}", lambda e, u, v: e * u),
-    "phi_u2e": _Relation("the square of {0}", lambda e, u, v: product(u, u)),
-    "phi_u2e2": _Relation(
-        "the square of {0}, in the residual's power", lambda e, u, v: product(u, u), in_power=True
-    ),
-    PAIR_TEST: _Relation("the product of {short[0]} and {short[1]}", lambda e, u, v: product(u, v)),
+# What each test finds past values of, by the names of the inputs, and the same without an article.
+_MEANINGS = {
+    "phi_eu": "{0}",
+    "phi_e(eu)": "the product of residual and {short[0]}",
+    "phi_u2e": "the square of {0}",
+    "phi_u2e2": "the square of {0}, in the residual's power",
+    PAIR_TEST: "the product of {short[0]} and {short[1]}",
 }
 
 
@@ -83,7 +74,7 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     shown = [correlation(residual, residual, max_lag)]
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
     for name, columns in tests:
-        relation = _RELATIONS[name]
+        relation = RELATIONS[name]
         instrument = relation.signal(residual, inputs[columns[0]], inputs[columns[-1]])
         target = white**2 if relation.in_power else white
         if not relation.in_power:  # squares of a white residual are not coloured by its filter
@@ -129,9 +120,7 @@ def verdict(
     short = [name.removeprefix("the ") for name in inputs]
     _, *tests = each_test(len(inputs)).values()
     meanings = [
-        _RELATIONS[test].meaning.format(
-            *(inputs[k] for k in columns), short=[short[k] for k in columns]
-        )
+        _MEANINGS[test].format(*(inputs[k] for k in columns), short=[short[k] for k in columns])
         for test, columns in tests
     ]
     shown = [

@@ -7,21 +7,37 @@ product of each two, which the square of neither holds.
 
 from collections.abc import Callable
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from dea.arrays import Array
 from dea.inputs import by_input, input_count
 
-# Which two signals each test correlates, from residual e and input u; the second is delayed.
-TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {
-    "phi_ee": lambda e, u: (e, e),
-    "phi_eu": lambda e, u: (e, u),
-    "phi_e(eu)": lambda e, u: (e, e * u),
-    "phi_u2e": lambda e, u: (e, u**2 - np.mean(u**2)),
-    "phi_u2e2": lambda e, u: (e**2, u**2 - np.mean(u**2)),
+
+class Relation(NamedTuple):
+    """What a test correlates: the residual, or its power, with the past of a signal."""
+
+    signal: Callable[[Array, Array, Array], Array]  # of residual and the two inputs of a pair
+    in_power: bool = False
+
+
+def _product(u: Array, v: Array) -> Array:
+    """Return the product of two inputs about its mean."""
+    both: Array = u * v
+    return both - np.mean(both)
+
+
+# Of one input, which is then both of a pair.
+TESTS = {
+    "phi_ee": Relation(lambda e, u, v: e),
+    "phi_eu": Relation(lambda e, u, v: u),
+    "phi_e(eu)": Relation(lambda e, u, v: e * u),
+    "phi_u2e": Relation(lambda e, u, v: _product(u, u)),
+    "phi_u2e2": Relation(lambda e, u, v: _product(u, u), in_power=True),
 }
 PAIR_TEST = "phi_uue"
+RELATIONS = {**TESTS, PAIR_TEST: Relation(lambda e, u, v: _product(u, v))}
 _WHITENESS = "phi_ee"
 _CONFIDENCE = 1.959963984540054  # two-sided 95 % of the normal distribution
 
@@ -50,23 +66,12 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
         return np.full((len(tests), max_lag), np.inf)
     centred = by_input(u - u.mean(axis=0))
     residual = e - e.mean()
-    return np.array(
-        [
-            correlation(*_signals(test, residual, *(centred[k] for k in columns)), max_lag)
-            for test, columns in tests.values()
-        ]
-    )
-
-
-def _signals(test: str, e: Array, *inputs: Array) -> tuple[Array, Array]:
-    """Return the two signals that a test correlates, from residual and the inputs it is of."""
-    return (e, product(*inputs)) if test == PAIR_TEST else TESTS[test](e, *inputs)
-
-
-def product(u: Array, v: Array) -> Array:
-    """Return the product of two inputs about its mean."""
-    both: Array = u * v
-    return both - np.mean(both)
+    found = []
+    for test, columns in tests.values():
+        relation = RELATIONS[test]
+        signal = relation.signal(residual, centred[columns[0]], centred[columns[-1]])
+        found.append(correlation(residual**2 if relation.in_power else residual, signal, max_lag))
+    return np.array(found)
 
 
 def each_test(inputs: int) -> dict[str, tuple[str, tuple[int, ...]]]:
