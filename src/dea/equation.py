@@ -8,25 +8,24 @@ from typing import NamedTuple
 from dea.number_format import number
 from dea.terms import Term, input_symbol
 
-DIGITS = 4
+_DIGITS = 4  # significant ones of every number
 
 
-def equation_text(terms: Sequence[Term], parameters: Iterable[float], digits: int = DIGITS) -> str:
-    """Return ``y(t) = 0.9 y(t-1) - 0.1 u(t-1)^2`` with so many significant digits."""
-    return "y(t) = " + _sum(parameters, [str(t) if t.degree else "" for t in terms], digits)
+def equation_text(terms: Sequence[Term], parameters: Iterable[float]) -> str:
+    """Return ``y(t) = 0.9 y(t-1) - 0.1 u(t-1)^2``."""
+    return "y(t) = " + _sum(parameters, [str(t) if t.degree else "" for t in terms])
 
 
-def equation_latex(terms: Sequence[Term], parameters: Iterable[float], digits: int = DIGITS) -> str:
+def equation_latex(terms: Sequence[Term], parameters: Iterable[float]) -> str:
     """Return the equation for LaTeX, without the dollars around it."""
     monomials = [term.mathematics().strip("$") if term.degree else "" for term in terms]
-    return "y_{t} = " + _powers_of_ten(_sum(parameters, monomials, digits))
+    return "y_{t} = " + _powers_of_ten(_sum(parameters, monomials))
 
 
 def scaling_text(
     scaling: Mapping[str, float | Sequence[float]],
     inputs: Sequence[tuple[str, str]] = (("input", "1"),),
     output_units: str = "1",
-    digits: int = DIGITS,
 ) -> str:
     """Return ``u = (input - 2.500 V) / 1.200 V, y = (output + 1.000) / 2.000`` of scaled signals.
 
@@ -34,7 +33,7 @@ def scaling_text(
     are those of :func:`equation_html`.
     """
     return ", ".join(
-        f"{signal.symbol} = {_of_signal(signal, digits)}"
+        f"{signal.symbol} = {_of_signal(signal)}"
         for signal in scaled_signals(scaling, inputs, output_units)
         if signal.explained
     )
@@ -46,7 +45,6 @@ def equation_html(
     scaling: Mapping[str, float | Sequence[float]],
     inputs: Sequence[tuple[str, str]] = (("input", "1"),),
     output_units: str = "1",
-    digits: int = DIGITS,
 ) -> str:
     """Return the equation and the scaling of its signals as HTML.
 
@@ -61,13 +59,13 @@ def equation_html(
         Units of the output.
     """
     monomials = [term.html() if term.degree else "" for term in terms]
-    equation = "<i>y</i>(<i>t</i>) = " + _sum(parameters, monomials, digits)
+    equation = "<i>y</i>(<i>t</i>) = " + _sum(parameters, monomials)
     scales = []
     for signal in scaled_signals(scaling, inputs, output_units):
         letter, column = signal.symbol[0], signal.symbol[1:]
         if signal.explained:
             subscript = f"<sub>{column}</sub>" if column else ""
-            scales.append(f"<i>{letter}</i>{subscript} = {escape(_of_signal(signal, digits))}")
+            scales.append(f"<i>{letter}</i>{subscript} = {escape(_of_signal(signal))}")
     return f"<p>{equation}</p>" + (f"<p>{', '.join(scales)}</p>" if scales else "")
 
 
@@ -105,25 +103,25 @@ def _each(values: float | Sequence[float], count: int) -> Sequence[float]:
     return values if isinstance(values, Sequence) else (values,) * count
 
 
-def _of_signal(signal: ScaledSignal, digits: int) -> str:
+def _of_signal(signal: ScaledSignal) -> str:
     units = f" {signal.units}" if signal.units != "1" else ""
-    offset, scale = _signed(-signal.offset, digits), number(signal.scale, digits)
+    offset, scale = _signed(-signal.offset), number(signal.scale, _DIGITS)
     return f"({signal.name} {offset}{units}) / {scale}{units}"
 
 
-def _sum(parameters: Iterable[float], monomials: Sequence[str], digits: int) -> str:
+def _sum(parameters: Iterable[float], monomials: Sequence[str]) -> str:
     text = ""
     for parameter, monomial in zip(parameters, monomials, strict=True):
         space = " " if monomial else ""
         if text:
-            text += f" {_signed(parameter, digits)}{space}{monomial}"
+            text += f" {_signed(parameter)}{space}{monomial}"
         else:
-            text = f"{number(parameter, digits)}{space}{monomial}"
+            text = f"{number(parameter, _DIGITS)}{space}{monomial}"
     return text
 
 
-def _signed(value: float, digits: int) -> str:
-    return f"{'-' if value < 0 else '+'} {number(abs(value), digits)}"
+def _signed(value: float) -> str:
+    return f"{'-' if value < 0 else '+'} {number(abs(value), _DIGITS)}"
 
 
 def _powers_of_ten(text: str) -> str:
