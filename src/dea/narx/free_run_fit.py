@@ -141,11 +141,9 @@ def curvature(fit: FreeRunFit) -> float:
 
 
 class _FreeRunsFromFreeStarts:
-    """The same with the start of each run and its trend among the unknowns, after theta."""
+    """Free runs whose starts and trends are among the unknowns, after theta."""
 
-    def __init__(
-        self, terms: tuple[Term, ...], segments: Sequence[Segment], trend: int = 0
-    ) -> None:
+    def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment], trend: int) -> None:
         self.terms, self._segments = terms, segments
         self._lag = structure(terms).start
         self._trends = [_powers(y.size, trend) for _, y in segments]
