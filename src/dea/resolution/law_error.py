@@ -65,6 +65,8 @@ class LawError:
         explanation that is not offered is up to so far from those that are.
     allowed
         Part of it that an explanation may leave and still be right.
+    apart
+        Samples of a further record in one sampling interval of the records so far.
     """
 
     seen: Error
