@@ -13,9 +13,7 @@ from dea.configuration.study import FILE, Study
 from dea.errors import InputError
 
 
-def check_actuators(
-    study: Study, served: Sequence[str], bench: str | Path, file: str | Path = FILE
-) -> None:
+def check_actuators(study: Study, served: Sequence[str], bench: str | Path) -> None:
     """Check every device description, and that ``bench`` has every virtual actuator.
 
     Raises
@@ -29,7 +27,7 @@ def check_actuators(
         for index, actuator in enumerate(study.actuators)
     } | {"trials.device": study.trials.device}
     for place, device in devices.items():
-        _require_file(device, file, place, "copy a description of config/devices there")
+        _require_file(device, place, "copy a description of config/devices there")
     for device in dict.fromkeys(devices.values()):
         content = read_yaml(
             device, what="the device description", example="one of config/devices/*.yaml"
@@ -47,18 +45,18 @@ def check_actuators(
             described.safety, study.acquisition.mode, described.sampling_rate, device
         )
         if any(actuator.device == device for actuator in study.actuators):
-            check_rate(study, described.sampling_rate, device, file)
+            check_rate(study, described.sampling_rate, device)
     for index, actuator in enumerate(study.actuators):
         if actuator.bench is not None and actuator.bench not in served:
             raise InputError(
                 f"{actuator.name} is to be {actuator.bench!r}, which {bench} does not have",
-                file=file,
+                file=FILE,
                 field=f"actuators[{index}].bench",
                 remedy=f"Name one of {', '.join(served)}, or add an entry there.",
             )
 
 
-def check_files(study: Study, file: str | Path = FILE) -> None:
+def check_files(study: Study) -> None:
     """Check that there is every other file that the study names.
 
     Raises
@@ -66,16 +64,14 @@ def check_files(study: Study, file: str | Path = FILE) -> None:
     InputError
         Naming the key.
     """
-    _require_file(
-        study.recovery.models, file, "recovery.models", "name config/published_models.yaml"
-    )
+    _require_file(study.recovery.models, "recovery.models", "name config/published_models.yaml")
 
 
-def _require_file(named: str, file: str | Path, field: str, remedy: str) -> None:
+def _require_file(named: str, field: str, remedy: str) -> None:
     if not Path(named).is_file():
         raise InputError(
             f"there is no file {named!r}",
-            file=file,
+            file=FILE,
             field=field,
             remedy=f"Correct the path, or {remedy}.",
         )

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dea.configuration.lags import largest_lag
-from dea.configuration.study import Study
+from dea.configuration.study import FILE, Study
 from dea.errors import InputError
 
 _PER_LAG = 3  # samples of a stretch for each lag, as in dea.missing.stretches
 
 
-def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) -> None:
+def check_rate(study: Study, rate: float, device: str | Path) -> None:
     """Check that the study's excitations, stretches of its record and references suit a rate in Hz.
 
     Raises
@@ -22,7 +22,7 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
         if highest >= 0.5 * rate:
             raise InputError(
                 f"{highest:g} Hz is not below half of the {rate:g} Hz of {device}",
-                file=file,
+                file=FILE,
                 field=field,
                 remedy="Lower it, or sample faster.",
             )
@@ -32,7 +32,7 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
             raise InputError(
                 f"{length:g} s hold {samples} samples at the {rate:g} Hz of {device}, and lags of"
                 f" {lag} take more than {_PER_LAG * lag}",
-                file=file,
+                file=FILE,
                 field=field,
                 remedy="Lengthen it, or take smaller lags.",
             )
@@ -41,7 +41,7 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
         if samples < least:
             raise InputError(
                 f"it takes {least}, and {length:g} s hold {samples} at the {rate:g} Hz of {device}",
-                file=file,
+                file=FILE,
                 field=field,
                 remedy="Lengthen it.",
             )
@@ -51,7 +51,7 @@ def check_rate(study: Study, rate: float, device: str | Path, file: str | Path) 
             raise InputError(
                 f"{study.validation.max_lag} samples, and the window [{first:g}, {last:g}] s holds"
                 f" {samples} at the {rate:g} Hz of {device}",
-                file=file,
+                file=FILE,
                 field="validation.max_lag",
                 remedy="Take less than half of a window, or longer windows.",
             )

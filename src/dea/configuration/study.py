@@ -158,7 +158,7 @@ def check_tracker(gfrf: Gfrf, tracking: Tracking) -> None:
         )
 
 
-def check_study(content: Mapping[str, Any], file: str | Path = FILE) -> Study:
+def check_study(content: Mapping[str, Any]) -> Study:
     """Return the checked content of config/config.yaml.
 
     Raises
@@ -166,7 +166,7 @@ def check_study(content: Mapping[str, Any], file: str | Path = FILE) -> Study:
     InputError
         Naming the file, the key and the remedy.
     """
-    return validated(Study, content, file)
+    return validated(Study, content, FILE)
 
 
 def check_simulation(name: str, known: Collection[str], file: str | Path, field: str) -> None:
