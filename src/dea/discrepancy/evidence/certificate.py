@@ -79,7 +79,7 @@ def certify_elsewhere(
     }
 
 
-def contradicting(found: Mapping[str, Certified], noise: float = 0.0) -> dict[str, Certified]:
+def contradicting(found: Mapping[str, Certified], noise: float) -> dict[str, Certified]:
     """Return the records that together contradict an extension, if any do.
 
     On more than half of them it is worse than the simulation alone and leaves more than noise, or
