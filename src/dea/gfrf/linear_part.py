@@ -33,7 +33,6 @@ def linear_part(
     *,
     parameters: ArrayLike | None = None,
     operating_point: ArrayLike | None = None,
-    allow_missing: bool = False,
 ) -> LinearPart:
     """Return the linear part of a model around its rest at a constant input.
 
@@ -44,7 +43,7 @@ def linear_part(
     InputError
         If the model does not come to rest at the operating point.
     """
-    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
+    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing=False)
     count = theta.shape[1]
     each = np.broadcast_to(np.eye(count)[:, None, :], (count, y0.size, count))
     expanded = expand(
@@ -66,7 +65,6 @@ def linear_part(
             if monomial in plain:
                 value[:, column] = scale * plain[monomial].value
                 slope[:, :, column] = scale * plain[monomial].slope
-        value[np.isnan(y0)] = np.nan
         return value.reshape(*sets, -1), slope.reshape(count, *sets, -1)
 
     outputs, outputs_slope = of([Term((k,)) for k in range(1, order + 1)], 1.0)
