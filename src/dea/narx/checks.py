@@ -45,7 +45,7 @@ def refuse_missing(y: ArrayLike, remedy: str) -> None:
         )
 
 
-def as_input(values: ArrayLike, name: str = "u") -> Array:
+def as_input(values: ArrayLike) -> Array:
     """Return one input, shape (samples,), or several, shape (samples, inputs), as floats.
 
     A single column is one input. Columns are contiguous.
@@ -55,17 +55,17 @@ def as_input(values: ArrayLike, name: str = "u") -> Array:
     InputError
         As :func:`as_signal`.
     """
-    numbers = real_numbers(values, name)
+    numbers = real_numbers(values, "u")
     if numbers.ndim == 2 and numbers.shape[1] == 1:
         numbers = numbers[:, 0]
     if numbers.ndim != 2:
-        return as_signal(numbers, name)
+        return as_signal(numbers, "u")
     bad = np.argwhere(~np.isfinite(numbers))
     if bad.size:
         raise InputError(
             f"{len(bad)} of {numbers.size} samples are not numbers, the first at sample"
             f" {bad[0][0]} of input {bad[0][1] + 1}",
-            field=name,
+            field="u",
             remedy="Cut the signals before that sample.",
         )
     return np.asfortranarray(numbers)
