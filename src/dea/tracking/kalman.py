@@ -174,7 +174,7 @@ def _common_ratio(
     *,
     theta_0: Array,
     prior_variance: Array | float,
-    thinning: int = 1,
+    thinning: int,
     lowest: float,
     highest: float,
 ) -> float:
