@@ -48,7 +48,7 @@ class ServedBench:
     def start(self):
         """Begin (again) with a fresh device at the same port."""
         self._first.append(len(self.plant.applied))
-        low, high = limit_counts(self.description, "output")
+        low, high = limit_counts(self.description)
         self.player = Player(
             self.plant, OutputLimits(low, high, zero=0, ramp_step=2000),
             **{"watchdog_time": 5.0} | self._player,

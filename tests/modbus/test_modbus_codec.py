@@ -122,7 +122,7 @@ def test_a_range_spreads_over_all_counts(low, span, kind):
 def test_no_count_inside_the_limits_exceeds_them(low, span):
     device = device_with(range=[0, 15], limits=[low, low + span])
     register = device["output"]
-    first, last = limit_counts(device, "output")
+    first, last = limit_counts(device)
     tolerance = 1e-8 * register.scale
     assert to_physical(register, first) >= low - tolerance
     assert to_physical(register, last) <= low + span + tolerance

@@ -113,7 +113,7 @@ class Asked:
     ) -> None:
         self.device, self.lead, self.longest_step = device, plan.counts.tolist(), longest_step
         self.size = plan.lead + plan.length
-        self._low, self._high = limit_counts(device, "output")
+        self._low, self._high = limit_counts(device)
         self._ask, self._answer, self._asking = ask, answer, False
         self._last: int = self.lead[-1]
 

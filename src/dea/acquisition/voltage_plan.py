@@ -81,7 +81,7 @@ def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
     InputError
         Naming the sample farthest outside the limits.
     """
-    edges = limit_counts(device, "output")
+    edges = limit_counts(device)
     register = device["output"]
     if not np.all(np.isfinite(volts)):
         raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")

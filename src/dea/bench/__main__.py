@@ -57,7 +57,7 @@ def build(
             remedy=f"The bench samples at {1 / sample_period:g} Hz.",
         )  # fmt: skip
     output, displacement = parameters.output_converter, parameters.displacement_converter
-    low, high = limit_counts(description, "output")
+    low, high = limit_counts(description)
     ramp_step = max(1, int(RAMP_RATE * sample_period / output.step))
     player = Player(rig, OutputLimits(low, high, rig.zero_count, ramp_step), watchdog_time=watchdog)
     limits = _volts(output, low), _volts(output, high)

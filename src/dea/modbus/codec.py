@@ -122,22 +122,22 @@ def representable(register: Register) -> tuple[float, float]:
     return low, high
 
 
-def limit_counts(device: Device, name: str) -> tuple[int, int]:
-    """Return the lowest and the highest raw counts of a register that lie inside its ``limits``.
+def limit_counts(device: Device) -> tuple[int, int]:
+    """Return the lowest and the highest raw counts of the output inside its ``limits``.
 
     Counts are rounded inwards, so that no representable value exceeds a limit.
 
     Raises
     ------
     InputError
-        If the register has no limits.
+        If it has none.
     """
-    register = device[name]
+    register = device["output"]
     if register.limits is None:
         raise InputError(
             "no limits",
             file=device.source,
-            field=f"registers.{name}.limits",
+            field="registers.output.limits",
             remedy=f"Give [low, high] in {register.unit}.",
         )
     # 1e-9 counts of tolerance keep a limit that is exactly representable despite rounding.

@@ -92,7 +92,7 @@ def check(run: FaultyRun) -> None:
 
 
 def _voltage_within_limits(run: FaultyRun) -> None:
-    low, high = limit_counts(run.bench.description, "output")
+    low, high = limit_counts(run.bench.description)
     assert np.all((run.bench.applied >= low) & (run.bench.applied <= high))
 
 
