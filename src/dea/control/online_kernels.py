@@ -2,13 +2,10 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Indices
 from dea.narx import NONE
 from dea.tracking import RlsState, update
-
-Indices = NDArray[np.int64]
 
 
 @njit(cache=True, error_model="numpy")

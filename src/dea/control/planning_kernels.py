@@ -4,13 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Indices
 from dea.control.limits import InputLimits, limited
 from dea.narx import NONE
-
-Indices = NDArray[np.int64]
 
 # Times the largest output wanted, and one in the units of the equation at least: no plan that
 # follows comes near it, and products of a few such outputs are far from overflow.

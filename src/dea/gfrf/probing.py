@@ -19,9 +19,9 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.arrays import Complex
 from dea.gfrf.expansion import Polynomial
 
-Complex = NDArray[np.complex128]
 Factor = tuple[int, int]  # the column of the input, or _OUTPUT, and the lag
 _OUTPUT = -1
 

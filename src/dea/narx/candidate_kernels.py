@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.arrays import Array
-from dea.narx.kernels import BLOCK, NONE, Indices, output_of
+from dea.arrays import Array, Indices
+from dea.narx.kernels import BLOCK, NONE, output_of
 
 _DEPENDENT = 1e-12  # share of a regressor's norm below which the rest is rounding
 

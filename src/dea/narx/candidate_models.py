@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.narx.candidate_kernels import Candidates, EstimationData, estimate_and_simulate
 from dea.narx.kernels import NONE
 from dea.narx.limits import DIVERGED
@@ -20,7 +20,6 @@ from dea.narx.simulation import structure
 from dea.terms import Term, max_lag
 
 Subset = tuple[int, ...]
-Segment = tuple[Array, Array]
 
 
 class CandidateModel(NamedTuple):

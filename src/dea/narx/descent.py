@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.errors import InputError
-from dea.narx.candidate_models import CandidateModels, Segment, Subset
+from dea.narx.candidate_models import CandidateModels, Subset
 from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.forward import forward_and_prune
 from dea.narx.orthogonal import orthogonal_order

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
@@ -20,7 +20,6 @@ from dea.narx.scaling import Scaling
 from dea.store import Record
 from dea.terms import Term, as_terms, max_lag
 
-Segment = tuple[Array, Array]
 Signals = ArrayLike | Sequence[ArrayLike]
 
 NOT_WHITE = (

@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.arrays import Array
-from dea.narx.candidate_models import Segment, Subset
+from dea.arrays import Array, Segment
+from dea.narx.candidate_models import Subset
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.refinement import minimise
 from dea.narx.segments import LinearisedRuns, linearise

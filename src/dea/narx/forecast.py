@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.errors import InputError
 from dea.missing import filled, stretches
 from dea.narx.checks import as_record
-from dea.narx.estimation import Segment, least_squares, normalised
+from dea.narx.estimation import least_squares, normalised
 from dea.narx.limits import stays_in_range
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dea import least_squares
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
-from dea.narx.estimation import Segment, too_little
+from dea.narx.estimation import too_little
 from dea.narx.parameter_covariance import (
     DEPENDENT,
     FreeRun,

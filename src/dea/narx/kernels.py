@@ -3,15 +3,13 @@
 A run stops where an output exceeds the bound.
 """
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.arrays import Array
-
-Indices: TypeAlias = NDArray[np.int64]
+from dea.arrays import Array, Indices
 
 NONE = -1  # pads the lags of terms with fewer factors than the longest
 BLOCK = 512  # samples whose products of inputs stay in the cache

@@ -7,8 +7,7 @@ orthogonal to the terms taken explains most of the one-step output, its error re
 import numpy as np
 from numba import njit
 
-from dea.arrays import Array
-from dea.narx.kernels import Indices
+from dea.arrays import Array, Indices
 
 _DEPENDENT = 1e-12  # share of a regressor's energy below which the rest is rounding
 

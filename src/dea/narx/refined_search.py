@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
+from dea.arrays import Segment
 from dea.errors import InputError
-from dea.narx.candidate_models import Segment
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
 from dea.narx.free_run_fit import FreeRunFit, fit_free_runs
 from dea.narx.search import Refined

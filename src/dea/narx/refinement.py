@@ -6,16 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dea import least_squares
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.errors import InputError
 from dea.least_squares import Model, Point
-from dea.narx.estimation import (
-    Segment,
-    Signals,
-    as_segments,
-    estimate,
-    normalised,
-)
+from dea.narx.estimation import Signals, as_segments, estimate, normalised
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.free_run_fit import DAMPING, damped, fit_free_runs
 from dea.narx.labels import unpacked

@@ -1,16 +1,14 @@
 """Where a model rests at constant inputs, and its poles there."""
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.inputs import by_input
 from dea.terms import Term, static_value
 
-Complex: TypeAlias = NDArray[np.complex128]
 _STEPS = 4  # of Newton's method; two where a root is lost altogether, and as many to settle
 _REAL = 1e-6  # imaginary part, relative to 1 + |root|, up to which a root counts as real
 

@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.narx import kernels
-from dea.narx.estimation import Segment
 from dea.narx.limits import DIVERGED
 from dea.narx.simulation import BOUND, input_rows, structure
 from dea.terms import Term

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+from dea.arrays import Segment
 from dea.errors import InputError
 from dea.inputs import input_count
-from dea.narx.candidate_models import CandidateModels, Segment
+from dea.narx.candidate_models import CandidateModels
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
 from dea.narx.descent import Descent
 from dea.narx.estimation import (

@@ -11,12 +11,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Indices
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.narx import kernels
 from dea.narx.checks import check_inputs
-from dea.narx.kernels import NONE, Indices, Structure
+from dea.narx.kernels import NONE, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 
 # Beyond this a run counts as diverged. Far above any signal, far below where products of outputs

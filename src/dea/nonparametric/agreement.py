@@ -5,11 +5,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import Intermodulation
-
-Complex = NDArray[np.complex128]
 
 # Of a region that holds two independent normal errors in 95 %, over the half-width of the interval
 # that holds one: the roots of the chi-squared quantiles for two and for one degree of freedom.

@@ -12,11 +12,10 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.special import fdtri, stdtrit
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.errors import InputError
 from dea.nonparametric.periods import Periods
 
-Complex = NDArray[np.complex128]
 Lines = NDArray[np.int64]
 
 _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below

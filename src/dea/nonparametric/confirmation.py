@@ -6,15 +6,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.nonparametric.agreement import RelativeBand, compare_intermodulation, compare_response
 from dea.nonparametric.best_linear import BestLinear
-from dea.nonparametric.intermodulation import (
-    Complex,
-    Intermodulation,
-    intermodulation,
-    signed,
-)
+from dea.nonparametric.intermodulation import Intermodulation, intermodulation, signed
 from dea.store import complex_parts, variable
 
 # Dimensions, values, units and label of each variable.

@@ -3,13 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import fdtri
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.nonparametric.best_linear import BestLinear, Lines
-
-Complex = NDArray[np.complex128]
 
 
 class Intermodulation(NamedTuple):

@@ -17,13 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.plant.film import FILM_VOLTAGE, GRAVITY, TIME, FilmState, V, X, Y, stretch
 from dea.plant.membrane import ZONES, Film, Source, capacitance, relaxation, settle, zones
 
-Complex = NDArray[np.complex128]
 _FIRST, _SECOND = 1e-5, 1e-3  # relative steps of first and second differences
 
 

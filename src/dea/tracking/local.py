@@ -13,15 +13,12 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Indices
 from dea.errors import InputError
 from dea.missing import runs
 from dea.narx import FreeRunFit, NarxModel, curvature, fit_free_runs
 from dea.tracking.scatter import widened
-
-Indices = NDArray[np.int64]
 
 _OVERLAP = 8  # windows that hold a sample
 _PER_UNKNOWN = 2  # samples of a stretch, at least
