@@ -23,13 +23,13 @@ from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import InputError
 from dea.progress import heard_by, part_of
+from dea.provenance import RESULTS
 from dea.resolution import CERTIFICATE, ByHand, Kept, Limits, Options, Resolution, record_key
 from dea.simulation import Simulation, files_read, load_simulation
 
 if TYPE_CHECKING:
     import xarray as xr
 
-RESULTS = Path("results")
 CASES = Path("config/cases")
 
 
