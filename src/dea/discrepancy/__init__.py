@@ -8,7 +8,7 @@ from dea.discrepancy.evidence.model_error import memory_of
 from dea.discrepancy.evidence.split import shortest_record
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem, Samples
-from dea.discrepancy.records import signals_of
+from dea.discrepancy.records import SAME_INTERVAL, signals_of
 from dea.discrepancy.report.datasets import (
     candidates_dataset,
     certificate_dataset,
@@ -22,6 +22,7 @@ from dea.discrepancy.sensitivity import sensitivities
 from dea.discrepancy.settings import Settings
 
 __all__ = [
+    "SAME_INTERVAL",
     "Budget",
     "Candidate",
     "Certified",

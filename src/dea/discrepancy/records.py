@@ -28,7 +28,7 @@ _SHORTER = 4
 # Part of the output's deviation that noise is taken for at least: a fit needs some.
 _LEAST = 1e-6
 # Part by which the sampling intervals of two records may differ.
-_SAME = 1e-6
+SAME_INTERVAL = 1e-6
 
 
 def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
@@ -204,7 +204,7 @@ def _joined(records: Sequence[Samples]) -> Samples:
         raise InputError("there is no record", field="record", remedy="Give at least one")
     interval = records[0].interval
     for number, each in enumerate(records[1:], 2):
-        if abs(each.interval - interval) > _SAME * interval:
+        if abs(each.interval - interval) > SAME_INTERVAL * interval:
             raise InputError(
                 f"record {number} is sampled every {each.interval:g} s, the first one every "
                 f"{interval:g} s",

@@ -10,6 +10,7 @@ import numpy as np
 
 from dea import store
 from dea.configuration.case import DESIGNED, Case
+from dea.discrepancy import SAME_INTERVAL
 from dea.errors import InputError
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 # off (root mean square), since it may be measured; and the samples by which it may be late.
 _LEAST, _OFF = 0.95, 0.25
 _LATE = 2
-_SAME = 1e-6  # part by which a rate may be off, as in a diagnosis of several records
 
 
 @dataclass
@@ -189,7 +189,7 @@ def _mistake(found: store.Record, asked: np.ndarray, rate: float) -> tuple[str, 
 
     ``rate`` is that of the excitation, in Hz. Nothing where the record plays it.
     """
-    if abs(found.sampling_rate - rate) > _SAME * rate:
+    if abs(found.sampling_rate - rate) > SAME_INTERVAL * rate:
         return (
             f": it is sampled at {found.sampling_rate:.8g} Hz, and that is at {rate:.8g} Hz",
             "Play and record it at that rate; closer samples are averaged by"
