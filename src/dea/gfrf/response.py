@@ -301,7 +301,7 @@ def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Ar
     return (given - model.scaling.u_offset) / model.scaling.u_scale
 
 
-class Rests(NamedTuple):
+class OperatingPoints(NamedTuple):
     """Where a model with several sets of parameters comes to rest, normalised.
 
     ``theta`` (sets, terms) are the parameters, ``y0`` (sets,) the outputs at rest and ``u0``
@@ -319,7 +319,7 @@ def rests(
     parameters: ArrayLike | None,
     operating_point: ArrayLike | None,
     allow_missing: bool,
-) -> Rests:
+) -> OperatingPoints:
     """Return the rests of a model; parameters are those of :func:`frequency_response`.
 
     Raises
@@ -342,4 +342,4 @@ def rests(
             remedy="It diverges, oscillates or creeps there and has no steady-state response; "
             "take another operating point or a stable model",
         )
-    return Rests(theta, y0, u0, sets)
+    return OperatingPoints(theta, y0, u0, sets)
