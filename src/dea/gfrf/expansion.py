@@ -65,21 +65,6 @@ def _monomials(term: Term) -> list[tuple[Term, int, Counter[int]]]:
     return found
 
 
-def static_polynomial(terms: Sequence[Term], theta: Array, u0: Array) -> Array:
-    """Return the coefficients, by rising power of y, of sum_j theta_j y^q u0^r - y.
-
-    Its roots are where the model can rest at the constant inputs ``u0``, shape (inputs,); the
-    result has shape (degree + 1,).
-    """
-    degree = max(1, *(len(term.y_lags) for term in terms))
-    coefficients = np.zeros(degree + 1)
-    coefficients[1] = -1.0
-    levels = u0.tolist()
-    for term, parameter in zip(terms, theta, strict=True):
-        coefficients[len(term.y_lags)] += parameter * static_value(term.input_powers, levels)
-    return coefficients
-
-
 def spectral_radius(expanded: Polynomial) -> Array:
     """Return the largest modulus of the poles of the linear part, shape (...).
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from dea.arrays import Array
-from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
-from dea.narx import BOUND, polished, simulate
+from dea.gfrf.expansion import expand, spectral_radius
+from dea.narx import BOUND, polished, simulate, static_polynomial
 from dea.terms import Term, max_lag, static_value
 
 _FIRST_RUN = 256  # samples; each further run is twice as long
@@ -92,7 +92,7 @@ def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: Array) -> Arr
 
 
 def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: Array) -> list[float]:
-    coefficients = np.trim_zeros(static_polynomial(terms, theta, u0), "b")
+    coefficients = np.trim_zeros(static_polynomial(terms, theta, u0.tolist()), "b")
     if coefficients.size < 2:
         return []
     candidates = polynomial.polyroots(coefficients)

@@ -28,7 +28,7 @@ from dea.narx.published import load_published
 from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
-from dea.narx.rest import polished
+from dea.narx.rest import polished, static_polynomial
 from dea.narx.scaling import Scaling
 from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined, Search
 from dea.narx.selection import select_common_terms, select_terms
@@ -103,5 +103,6 @@ __all__ = [
     "simulate",
     "simulate_varying",
     "simulation_interval",
+    "static_polynomial",
     "validate",
 ]

@@ -1,6 +1,6 @@
 """Where a model rests at constant inputs, and its poles there."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +55,22 @@ def rests_over(
     return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
 
 
+def static_polynomial(
+    terms: Sequence[Term], parameters: Iterable[float], levels: Sequence[float] | Array
+) -> Array:
+    """Return the coefficients, by rising power of y, of sum_j theta_j y^p u^q - y.
+
+    Its roots are where the model can rest. ``levels`` are the constant inputs, in the units of the
+    equation: one number for each, or one array; shape (..., degree + 1).
+    """
+    degree = max(1, *(len(term.y_lags) for term in terms))
+    coefficients = np.zeros((*np.shape(levels[0]), degree + 1))
+    coefficients[..., 1] = -1.0
+    for term, parameter in zip(terms, parameters, strict=True):
+        coefficients[..., len(term.y_lags)] += parameter * static_value(term.input_powers, levels)
+    return coefficients
+
+
 def _real_roots(
     terms: Sequence[Term], parameters: Array, inputs: Array, limit: float
 ) -> list[Array]:
@@ -64,12 +80,8 @@ def _real_roots(
     rests of thousands of models. Newton steps follow, since beside a leading coefficient that is
     nearly zero the eigenvalues of the smaller roots are lost.
     """
-    order = max(1, *(len(term.y_lags) for term in terms))
-    coefficients, columns = np.zeros((len(inputs), order + 1)), by_input(inputs)
-    coefficients[:, 1] = -1.0
-    for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        coefficients[:, len(term.y_lags)] += parameter * static_value(term.input_powers, columns)
-    degrees = np.max(np.where(coefficients != 0.0, np.arange(order + 1), 0), axis=1)
+    coefficients = static_polynomial(terms, parameters.tolist(), by_input(inputs))
+    degrees = np.max(np.where(coefficients != 0.0, np.arange(coefficients.shape[1]), 0), axis=1)
     real = [np.empty(0)] * len(inputs)
     for degree in np.unique(degrees[degrees > 0]).tolist():
         (levels,) = np.nonzero(degrees == degree)
