@@ -1,5 +1,6 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
+from dea.confidence import LEVEL
 from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.checks import as_input, as_signal, check_variation
@@ -10,7 +11,6 @@ from dea.narx.free_run_fit import FreeRunFit, curvature, fit_free_runs
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.intervals import (
-    LEVEL,
     Interval,
     covariance_of,
     parameter_interval,

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.arrays import Array
+from dea.confidence import LEVEL
 from dea.errors import InputError
 from dea.narx.model import NarxModel
 from dea.narx.segments import sensitivities
 from dea.store import Record
-
-LEVEL = 0.95
 
 
 class Interval(NamedTuple):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.arrays import Array
+from dea.confidence import DEVIATIONS
 from dea.inputs import by_input, input_count
 
 
@@ -39,7 +40,6 @@ TESTS = {
 PAIR_TEST = "phi_uue"
 RELATIONS = {**TESTS, PAIR_TEST: Relation(lambda e, u, v: _product(u, v))}
 _WHITENESS = "phi_ee"
-_CONFIDENCE = 1.959963984540054  # two-sided 95 % of the normal distribution
 
 
 def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
@@ -96,7 +96,7 @@ def each_test(inputs: int) -> dict[str, tuple[str, tuple[int, ...]]]:
 
 def band(samples: int) -> float:
     """Half-width of the 95 % band of a correlation over ``samples`` samples."""
-    return float(_CONFIDENCE / np.sqrt(samples))
+    return float(DEVIATIONS / np.sqrt(samples))
 
 
 def correlation(a: Array, b: Array, max_lag: int) -> Array:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from scipy.special import fdtri, stdtrit
 
 from dea.arrays import Array, Complex
+from dea.confidence import LEVEL
 from dea.errors import InputError
 from dea.nonparametric.periods import Periods
 
 Lines = NDArray[np.int64]
 
 _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
-_CONFIDENCE = 0.95
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
 
 
@@ -50,7 +50,7 @@ class BestLinear(NamedTuple):
 
     def radius(self) -> Array:
         """Radius of the 95 % disc around the response, (lines,)."""
-        quantile = fdtri(2, 2 * (self.realisations - 1), _CONFIDENCE)
+        quantile = fdtri(2, 2 * (self.realisations - 1), LEVEL)
         return np.asarray(np.sqrt(quantile * self.total))
 
     def half_width(self) -> Array:
@@ -58,7 +58,7 @@ class BestLinear(NamedTuple):
 
         Along the response it is that of the gain, across it that of gain times phase.
         """
-        quantile = stdtrit(2 * (self.realisations - 1), 0.5 + 0.5 * _CONFIDENCE)
+        quantile = stdtrit(2 * (self.realisations - 1), 0.5 + 0.5 * LEVEL)
         return np.asarray(quantile * np.sqrt(0.5 * self.total))
 
 

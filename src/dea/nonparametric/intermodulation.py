@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import fdtri
 
 from dea.arrays import Array, Complex
+from dea.confidence import LEVEL
 from dea.nonparametric.best_linear import BestLinear, Lines
 
 
@@ -59,5 +60,5 @@ def intermodulation(found: BestLinear, H2: Complex, highest: int) -> Intermodula
     measured = found.output[:, even]
     ratio = np.sum(predicted.conj() * measured, axis=0) * over_power
     left = np.sum(np.abs(measured - ratio * predicted) ** 2, axis=0) / (found.realisations - 1)
-    radius = np.sqrt(fdtri(2, 2 * (found.realisations - 1), 0.95) * left * over_power)
+    radius = np.sqrt(fdtri(2, 2 * (found.realisations - 1), LEVEL) * left * over_power)
     return Intermodulation(even, measured, predicted, 1.0 - foreign, ratio, radius)

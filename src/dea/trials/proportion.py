@@ -3,7 +3,7 @@
 from math import nan, sqrt
 from typing import NamedTuple
 
-_Z = 1.959963984540054  # the normal quantile of a two-sided interval of 95 %
+from dea.confidence import DEVIATIONS as Z
 
 
 class Proportion(NamedTuple):
@@ -25,9 +25,9 @@ def wilson(successes: float, trials: float) -> Proportion:
     if trials == 0:
         return Proportion(nan, nan, nan, 0)
     share = successes / trials
-    scale = 1.0 + _Z**2 / trials
-    centre = (share + _Z**2 / (2.0 * trials)) / scale
-    half = _Z * sqrt(share * (1.0 - share) / trials + _Z**2 / (4.0 * trials**2)) / scale
+    scale = 1.0 + Z**2 / trials
+    centre = (share + Z**2 / (2.0 * trials)) / scale
+    half = Z * sqrt(share * (1.0 - share) / trials + Z**2 / (4.0 * trials**2)) / scale
     # Rounding must not leave a share of 0 or 1 outside of its interval.
     low, high = max(centre - half, 0.0), min(centre + half, 1.0)
     return Proportion(share, min(low, share), max(high, share), trials)
