@@ -17,13 +17,23 @@ from dea.plant.hidden.devices import DEVICES
 from dea.plant.hidden.draw import FEWEST, MOST, _draw_noise, _sized, draw, draw_excitation
 from dea.plant.hidden.effect import Port
 from dea.plant.hidden.noise import Noise, NoiseKind
-from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
+from dea.plant.hidden.schedule import (
+    AMBIGUOUS,
+    FOREIGN_SHARE,
+    INSIDE,
+    NULL_SHARE,
+    PAIR_SHARE,
+    ambiguous_plans,
+    forms_of,
+    plans,
+)
 from dea.plant.hidden.trial import HiddenEffect, Trial
 from dea.stages.trial_score import begun
 from dea.trials import Label
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 SEED = 41
+ROUND = len(INSIDE) + FOREIGN_SHARE + PAIR_SHARE + NULL_SHARE
 
 
 @pytest.mark.parametrize("use", Use)

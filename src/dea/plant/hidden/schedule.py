@@ -13,7 +13,6 @@ from dea.seeds import generator
 INSIDE = tuple(name for name, effect in EFFECTS.items() if effect.port is not Port.OUTSIDE)
 # A round holds each effect of the catalogue once, and besides:
 FOREIGN_SHARE, PAIR_SHARE, NULL_SHARE = 4, 4, 6
-ROUND = len(INSIDE) + FOREIGN_SHARE + PAIR_SHARE + NULL_SHARE
 # Two effects of one group act alike, so that the stronger hides the other: no pair holds both.
 _ALIKE = (
     {"input_saturation", "end_stop", "output_saturation", "strain_stiffening",
