@@ -17,6 +17,7 @@ from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
+from dea.instants import evenly_spread
 from dea.narx import NarxModel, as_input, input_of
 from dea.store import complex_parts, variable
 
@@ -165,8 +166,7 @@ class _Rows:
 
     def spread(self, count: int) -> Rows:
         """Return ``count`` rows, evenly spread; every one of fewer."""
-        at = np.arange(min(count, self.time.size))
-        return at * self.time.size // at.size + self.time.size // (2 * at.size)
+        return evenly_spread(self.time.size, count)
 
     def nearest(self, shares: Sequence[float]) -> Rows:
         """Return the rows nearest to times given as shares of the record."""

@@ -1,7 +1,6 @@
 """Where the bands of tracked parameters are taken, and when they are withheld."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.autoregression import fit_autoregression
@@ -30,15 +29,6 @@ TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not k
 LARGEST_CURVATURE = 0.5  # departure of a run at the ends of an interval from its linearisation
 # Samples of a window within which parameters hardly move: long enough for its own estimate.
 _WINDOW, _SAMPLES_PER_TERM = 500, 50
-
-
-def instants(samples: int, count: int) -> NDArray[np.int64]:
-    """Return ``count`` samples evenly spread, each in the middle of its share of the record.
-
-    Every sample of a shorter record.
-    """
-    at = np.arange(min(count, samples))
-    return at * samples // at.size + samples // (2 * at.size)
 
 
 def reason_to_withhold(innovation: Array, Phi: Array, target: Array) -> str:

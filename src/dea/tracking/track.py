@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea import store
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.instants import evenly_spread
 from dea.narx import (
     NarxModel,
     check_variation,
@@ -27,7 +28,6 @@ from dea.tracking.bands import (
     WINDOWS_FEW,
     reason_to_withhold,
 )
-from dea.tracking.bands import instants as instants_of
 from dea.tracking.free_runs import NormalisedSignals, normalised_signals
 from dea.tracking.kalman import Smoothed
 from dea.tracking.local import (
@@ -153,7 +153,7 @@ def track_parameters(
         given = u.sampling_rate
     unknown = given is None and model.labels.sampling_rate is None
     rate = 1.0 if unknown else rate_of(model.labels, given)
-    at = instants_of(signals.y.size, chosen.pop("instants"))
+    at = evenly_spread(signals.y.size, chosen.pop("instants"))
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     # Before the first equation the first estimate holds.
     of_equation = np.maximum(at - model.max_lag, 0)
