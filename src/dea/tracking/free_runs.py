@@ -89,7 +89,6 @@ def compare_free_runs(
     scored = seen & (np.arange(outputs.size) >= tracked.max_lag)
     spread, spread_of_stretches = np.var(outputs[scored]), np.var(outputs[seen])
     error = np.array([np.mean((run - outputs)[scored] ** 2) for run in runs])
-    simulated = model.scaling.restore_output(np.stack(runs))
     unknown = np.full((len(tracked.terms), len(tracked.terms)), np.nan)
     own = unknown if tracked.covariance is None else covariance_of(tracked)
     spreads = {FIXED: own[None]} | {name: _covariance_of(track) for name, track in tracks.items()}
@@ -99,6 +98,26 @@ def compare_free_runs(
             for (name, theta), run in zip(trajectories.items(), runs, strict=True)
         ]
     )
+    return _dataset(
+        list(trajectories),
+        model.scaling.restore_output(np.stack(runs)),
+        reach,
+        nmse=error / spread,
+        nmse_frozen=np.array(frozen) / spread_of_stretches,
+        rmse=np.sqrt(error) * model.scaling.y_scale,
+    )
+
+
+def _dataset(
+    names: list[str],
+    simulated: Array,
+    reach: Array,
+    *,
+    nmse: Array,
+    nmse_frozen: Array,
+    rmse: Array,
+) -> xr.Dataset:
+    """Return the runs (simulation, time) with half their intervals, and their errors by name."""
     return xr.Dataset(
         {
             "simulated": (
@@ -117,25 +136,21 @@ def compare_free_runs(
                 {"long_name": "upper end of the 95 % interval of the free run"},
             ),
             "nmse": variable(
-                "simulation", error / spread, "1", "normalised mean square error of the free run"
+                "simulation", nmse, "1", "normalised mean square error of the free run"
             ),
             "nmse_frozen": variable(
                 "simulation",
-                np.array(frozen) / spread_of_stretches,
+                nmse_frozen,
                 "1",
                 "the same over stretches with parameters held at their middle",
             ),
             "rmse": (
                 "simulation",
-                np.sqrt(error) * model.scaling.y_scale,
+                rmse,
                 {"long_name": "root mean square error of the free run"},
             ),
         },
-        coords={
-            "simulation": variable(
-                "simulation", list(trajectories), "1", "where the parameters come from"
-            )
-        },
+        coords={"simulation": variable("simulation", names, "1", "where the parameters come from")},
     )
 
 
