@@ -2,9 +2,14 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dea.stages.command import run
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dea.arrays import Array
 
 _SCORES = {
     "nmse": "SSE/SST of the simulated output on an independent record",
@@ -18,7 +23,6 @@ _SCORES = {
 def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     """Write ``recovery.nc``: every plant, excitation and search."""
     import numpy as np
-    import xarray as xr
 
     from dea import store
     from dea.excitation import design
@@ -65,30 +69,37 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
                 result = score_recovery(plant, found, test, rate, choice["band"])
                 for score, value in result.items():
                     scores[score][i, j, k] = value
-    dimensions = ("plant", "excitation", "search")
-    dataset = xr.Dataset(
-        {
-            name: store.variable(dimensions, values, "1", _SCORES[name])
-            for name, values in scores.items()
-        },
-        coords={
-            "plant": list(plants),
-            "excitation": list(excitations),
-            "search": list(searches),
-            "plant_terms": ("plant", [len(plant.terms) for plant in plants.values()]),
-        },
-    )
-    for coordinate in dataset.coords:
-        label = str(coordinate).replace("_", " ")
-        dataset[coordinate].attrs.update(units="1", long_name=label)
+    coords = {
+        "plant": list(plants),
+        "excitation": list(excitations),
+        "search": list(searches),
+        "plant_terms": ("plant", [len(plant.terms) for plant in plants.values()]),
+    }
     store.write(
-        dataset,
+        _dataset(scores, coords),
         recovery,
         title="Published models identified from their own simulated records",
         inputs={"models": models},
         settings=settings,
         seed=settings["seed"],
     )
+
+
+def _dataset(scores: Mapping[str, "Array"], coords: Mapping[str, Any]) -> "xr.Dataset":
+    """Return the scores by plant, excitation and search."""
+    import xarray as xr
+
+    from dea.store import variable
+
+    dimensions = ("plant", "excitation", "search")
+    dataset = xr.Dataset(
+        {name: variable(dimensions, values, "1", _SCORES[name]) for name, values in scores.items()},
+        coords=coords,
+    )
+    for coordinate in dataset.coords:
+        label = str(coordinate).replace("_", " ")
+        dataset[coordinate].attrs.update(units="1", long_name=label)
+    return dataset
 
 
 if __name__ == "__main__":
