@@ -66,21 +66,7 @@ def infer_settings(signals: Record) -> CaseSettings:
     outputs, seen = filled(y)
     known = round((1 - _HELD_OUT) * y.size)
     used = min(known, _LONGEST)
-    part = _longest_stretch(seen[:used])
-    if part.stop - part.start < in_a_row:
-        raise InputError(
-            f"the longest part without a missing sample, within the first {used}, holds"
-            f" {part.stop - part.start}",
-            remedy=f"At least {in_a_row} in a row are needed: record it again, or cut it",
-        )
-    for (name, _), column in zip(signals.inputs, columns, strict=True):
-        if not np.ptp(column[part]):
-            raise InputError(
-                f"{name} is constant at {column[part.start]:g} from {part.start / rate:g} to"
-                f" {part.stop / rate:g} s, the part that models come from",
-                field="input",
-                remedy="Leave it out, or cut the record so that it moves there",
-            )
+    part = _part_of_models(signals, seen[:used], in_a_row)
     linear = linear_dynamics(u[part], outputs[part])
     lags, degree = _size(linear, part.stop - part.start)
     held = y.size - known
@@ -214,8 +200,31 @@ def _moves(u: Array, lag: int) -> bool:
     return len(u) > 40 * lag and bool(np.all(np.count_nonzero(changes, axis=0) > len(u) / 2))
 
 
-def _longest_stretch(seen: NDArray[np.bool_]) -> slice:
-    return max(runs(seen), key=lambda run: run.stop - run.start)
+def _part_of_models(signals: Record, seen: NDArray[np.bool_], in_a_row: int) -> slice:
+    """Return the longest part in which all outputs are ``seen``, for models to come from.
+
+    Raises
+    ------
+    InputError
+        If it has fewer samples ``in_a_row``, or an input is constant in it.
+    """
+    part = max(runs(seen), key=lambda run: run.stop - run.start)
+    if part.stop - part.start < in_a_row:
+        raise InputError(
+            f"the longest part without a missing sample, within the first {seen.size}, holds"
+            f" {part.stop - part.start}",
+            remedy=f"At least {in_a_row} in a row are needed: record it again, or cut it",
+        )
+    rate = signals.sampling_rate
+    for (name, _), column in zip(signals.inputs, by_input(signals.u), strict=True):
+        if not np.ptp(column[part]):
+            raise InputError(
+                f"{name} is constant at {column[part.start]:g} from {part.start / rate:g} to"
+                f" {part.stop / rate:g} s, the part that models come from",
+                field="input",
+                remedy="Leave it out, or cut the record so that it moves there",
+            )
+    return part
 
 
 def _in_seconds(samples: int, rate: float) -> float:
