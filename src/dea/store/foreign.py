@@ -1,8 +1,9 @@
 """Records made elsewhere: files of other programs, whose columns a case file names."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,7 @@ from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record import require_squares
 from dea.store.record_checks import check_record
 from dea.store.records import input_variables
-from dea.store.resampling import IntervalError, resample
+from dea.store.resampling import IntervalError, Uniform, resample
 from dea.units import SECONDS, plain_units
 
 if TYPE_CHECKING:
@@ -53,47 +54,19 @@ def import_record(
 
     described = validated(RecordFile, settings, case_file, place if case_file else "")
     file = root / described.file
-    below = f"{place}." if case_file else ""
+    source = _Source(file, case_file, place)
     if not file.is_file():
         raise InputError(
             f"the record {file} {'is no file' if file.exists() else 'does not exist'}",
             file=case_file,
-            field=f"{below}file",
+            field=source.key("file"),
             remedy="Correct the path, or fetch the public records with `make records`",
         )
-    named, it = (case_file, str(file)) if case_file else (file, "it")
-    table = _read(file, described.sheet, case_file, f"{below}file")
-    columns, units = table.columns, table.units
-    rows = slice(*(described.rows or (None,)))
-
-    def column(role: str, declared: "Column") -> np.ndarray:
-        name = declared.column
-        if name not in columns:
-            raise InputError(
-                f"{it} has no column {name!r}",
-                file=named,
-                field=f"{below}{role}.column",
-                remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
-            )
-        stored = units.get(name, declared.units)
-        if plain_units(declared.units) != plain_units(stored):
-            raise InputError(
-                f"{it} has {name!r} in {stored!r}, not in {declared.units!r}",
-                file=named,
-                field=f"{below}{role}.units",
-                remedy="Correct the units, or convert the record",
-            )
-        if described.rows is not None:
-            _require_rows(described.rows, columns[name].size, it, named, f"{below}rows")
-        values = columns[name][rows]
-        if not np.isfinite(values).all():
-            table.refuse_words([name], file)
-        require_squares(values, name, file)
-        return values
-
+    table = _read(source, described.sheet)
     driving = described.driving
-    places = ["input"] if len(driving) == 1 else [f"inputs[{k}]" for k in range(len(driving))]
-    u = np.stack([column(*each) for each in zip(places, driving, strict=True)], axis=1)
+    roles = ["input"] if len(driving) == 1 else [f"inputs[{k}]" for k in range(len(driving))]
+    column = partial(_column, source, table, described.rows)
+    u = np.stack([column(*each) for each in zip(roles, driving, strict=True)], axis=1)
     y = column("output", described.output)
     if described.time is not None:
         time = column("time", described.time) * SECONDS[described.time.units]
@@ -103,19 +76,7 @@ def import_record(
         time = float(described.sampling_interval) * np.arange(y.size, dtype=float)
     flags = {}
     if described.resample is not None:
-        try:
-            time, u, y, missing = resample(time, u, y, float(described.resample))
-        except IntervalError as error:
-            raise InputError(
-                f"{it}: {error.problem}" if case_file else error.problem,
-                file=named,
-                field=f"{below}resample",
-                remedy=error.remedy,
-            ) from error
-        except InputError as error:
-            raise InputError(
-                error.problem, file=file, field=error.field, remedy=error.remedy
-            ) from error
+        time, u, y, missing = _resampled(source, time, u, y, float(described.resample))
         flags["quality"] = ("time", missing.astype("uint8"), FLAG)
     else:
         _require_whole(time, u, y, file)
@@ -135,20 +96,97 @@ def import_record(
     return record
 
 
+class _Source(NamedTuple):
+    """The file of a record, and where its settings come from, for messages."""
+
+    file: Path
+    case_file: Path | None
+    place: str
+
+    @property
+    def named(self) -> Path:
+        """The file in which a setting is to be corrected, or the record's own."""
+        return self.case_file or self.file
+
+    @property
+    def it(self) -> str:
+        """What the record is called beside that."""
+        return str(self.file) if self.case_file else "it"
+
+    def key(self, name: str) -> str:
+        """Return the whole key of a setting."""
+        return f"{self.place}.{name}" if self.case_file else name
+
+
+def _column(
+    source: _Source, table: ForeignTable, rows: Sequence[int] | None, role: str, declared: "Column"
+) -> np.ndarray:
+    """Return the values of a column that the settings declare.
+
+    Raises
+    ------
+    InputError
+        If there is no such column, it is in other units, has no such rows or holds text.
+    """
+    name = declared.column
+    if name not in table.columns:
+        raise InputError(
+            f"{source.it} has no column {name!r}",
+            file=source.named,
+            field=source.key(f"{role}.column"),
+            remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
+        )
+    stored = table.units.get(name, declared.units)
+    if plain_units(declared.units) != plain_units(stored):
+        raise InputError(
+            f"{source.it} has {name!r} in {stored!r}, not in {declared.units!r}",
+            file=source.named,
+            field=source.key(f"{role}.units"),
+            remedy="Correct the units, or convert the record",
+        )
+    values = table.columns[name]
+    if rows is not None:
+        _require_rows(rows, values.size, source)
+        values = values[slice(*rows)]
+    if not np.isfinite(values).all():
+        table.refuse_words([name], source.file)
+    require_squares(values, name, source.file)
+    return values
+
+
+def _resampled(
+    source: _Source, time: np.ndarray, u: np.ndarray, y: np.ndarray, interval: float
+) -> Uniform:
+    """Return the record at uniform times; an error names the file or setting at fault."""
+    try:
+        return resample(time, u, y, interval)
+    except IntervalError as error:
+        raise InputError(
+            f"{source.it}: {error.problem}" if source.case_file else error.problem,
+            file=source.named,
+            field=source.key("resample"),
+            remedy=error.remedy,
+        ) from error
+    except InputError as error:
+        raise InputError(
+            error.problem, file=source.file, field=error.field, remedy=error.remedy
+        ) from error
+
+
 def _of_column(values: np.ndarray, column: "Column") -> Described:
     return variable("time", values, column.units, column.name or column.column)
 
 
-def _read(file: Path, sheet: str | None, case_file: Path | None, field: str) -> ForeignTable:
+def _read(source: _Source, sheet: str | None) -> ForeignTable:
     try:
-        return read_foreign(file, sheet)
+        return read_foreign(source.file, sheet)
     except InputError as error:
-        if case_file is None:
+        if source.case_file is None:
             raise
         raise InputError(
-            f"{file}: {error.problem}" if error.file else error.problem,
-            file=case_file,
-            field=field,
+            f"{source.file}: {error.problem}" if error.file else error.problem,
+            file=source.case_file,
+            field=source.key("file"),
             remedy=f"{error.remedy}, or name another file",
         ) from error
 
@@ -175,7 +213,7 @@ def _require_whole(time: np.ndarray, u: np.ndarray, y: np.ndarray, file: Path) -
     )
 
 
-def _require_rows(rows: Sequence[int], count: int, table: str, file: Path, field: str) -> None:
+def _require_rows(rows: Sequence[int], count: int, source: _Source) -> None:
     """Refuse rows that a table of ``count`` rows has not, or that are fewer than two.
 
     Raises
@@ -186,8 +224,8 @@ def _require_rows(rows: Sequence[int], count: int, table: str, file: Path, field
     first, last = (row + count if row < 0 else row for row in rows)
     if not (first >= 0 and first + 2 <= last <= count):
         raise InputError(
-            f"rows {rows[0]} to {rows[1]} of {table}, which has {count}",
-            file=file,
-            field=field,
+            f"rows {rows[0]} to {rows[1]} of {source.it}, which has {count}",
+            file=source.named,
+            field=source.key("rows"),
             remedy=f"Give the first row and one past the last, at least two, from 0 to {count}",
         )
