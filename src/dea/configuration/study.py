@@ -190,9 +190,7 @@ def check_simulation(name: str, known: Collection[str], file: str | Path, field:
     )
 
 
-def check_names(
-    study: Study, simulations: Collection[str], effects: Collection[str], file: str | Path = FILE
-) -> None:
+def check_names(study: Study, simulations: Collection[str], effects: Collection[str]) -> None:
     """Check the names of the simulation and of the effects offered.
 
     Raises
@@ -200,12 +198,12 @@ def check_names(
     InputError
         Naming the key and the nearest name.
     """
-    check_simulation(study.discrepancy.simulation, simulations, file, "discrepancy.simulation")
+    check_simulation(study.discrepancy.simulation, simulations, FILE, "discrepancy.simulation")
     for index, name in enumerate(study.discrepancy.effects):
         if name not in effects:
             raise InputError(
                 f"there is no effect {name!r}",
-                file=file,
+                file=FILE,
                 field=f"discrepancy.effects[{index}]",
                 remedy=f"{did_you_mean(name, effects)}Known: {', '.join(effects)}.",
             )
