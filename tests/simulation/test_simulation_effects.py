@@ -1011,6 +1011,16 @@ def test_a_line_beside_a_periodic_disturbance_is_no_harmonic(lines, beside):
         assert start[at] == (beside or 0.0)
 
 
+def test_a_wave_that_hardly_repeats_is_no_disturbance_to_start_from():
+    """Five harmonics of four periods are any course in time."""
+    effect = catalogue()["periodic_disturbance"]
+    slow, fast = 4.0 / SCALES.duration, 9.0 / SCALES.duration
+    told = replace(SCALES, foreign_frequencies=(slow, fast))
+    assert {start[0] for start in effect.starts(told)} == {fast}
+    assert effect.parameters(told)[0].nominal == fast
+    assert not effect.starts(replace(SCALES, foreign_frequencies=(slow,)))
+
+
 @pytest.mark.parametrize(("periods", "changes"), [(19, False), (21, True)])
 def test_the_phase_of_a_disturbance_changes_slowly_over_many_periods_alone(periods, changes):
     """Whichever of several lines it is at."""

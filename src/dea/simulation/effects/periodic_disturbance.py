@@ -10,6 +10,8 @@ _HARMONICS = 5
 _WANDERS = range(2, 7)
 # Periods in a record by which two lines must differ at least.
 _APART = 2.0
+# Periods in a record at least: a wave of five harmonics that hardly repeats is any course in time.
+_LEAST = 6.0
 # Periods in a record from which the phase may change slowly: with fewer, such a wave is almost any
 # course in time.
 _MANY = 20.0
@@ -43,7 +45,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """
     unit, span, size = scales.y_unit, scales.y_span, 0.03 * scales.y_span
     nyquist = 0.5 / scales.interval
-    frequency = scales.foreign_frequencies[0] if scales.foreign_frequencies else 0.1 * nyquist
+    frequency = next(iter(_repeating(scales)), 0.1 * nyquist)
     apart, resolved = _line_beside(scales), 0.1 / scales.duration
     there = float(apart is not None)
     return (
@@ -66,9 +68,15 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     )
 
 
+def _repeating(scales: Scales) -> tuple[float, ...]:
+    """Return the lines (Hz) of the residual that repeat often enough, the leading one first."""
+    slowest = _LEAST / scales.duration
+    return tuple(each for each in scales.foreign_frequencies if each >= slowest)
+
+
 def _line_beside(scales: Scales) -> float | None:
     """Return the first line (Hz) that is no harmonic of the leading one, if there is any."""
-    leading, *others = scales.foreign_frequencies or (np.inf,)
+    leading, *others = _repeating(scales) or (np.inf,)
     for frequency in others:
         order = min(max(round(frequency / leading), 1), _HARMONICS)
         if abs(frequency - order * leading) > _APART / scales.duration:
@@ -89,7 +97,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     rest = (*amplitudes, *beside, 0.0, scales.duration, middle, half)
     return tuple(
         (frequency, *phase, *rest)
-        for frequency in dict.fromkeys(scales.foreign_frequencies)
+        for frequency in dict.fromkeys(_repeating(scales))
         for phase in ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))
     )
 
