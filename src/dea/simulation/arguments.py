@@ -80,7 +80,7 @@ class Forces(NamedTuple):
     ports: np.ndarray
     """(SLOTS + 1, 4): states that are equation, position, velocity and reaction (-1: there is
     none); the last row is the port whose position is returned."""
-    frames: np.ndarray
+    normalisations: np.ndarray
     """(SLOTS + 1, 3): rest position and scale of the port's motion, and the change of its
     equation per unit of force."""
     still: np.ndarray  # (SLOTS,), 1: the memory stays as it is until the record begins

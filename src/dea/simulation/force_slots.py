@@ -39,22 +39,22 @@ class ForceSlots:
 
         ``p`` are those of the simulation.
         """
-        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
+        ports, normalisations = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
         still = np.zeros(SLOTS, np.int64)
         memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
         if self.simulation.force_ports:
-            ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
+            ports[SLOTS], normalisations[SLOTS] = self._ports[0], self._normalisations[0]
         for slot, (a, q) in enumerate(pushing):
-            ports[slot], frames[slot] = self._ports[a.place], self._frames[a.place]
+            ports[slot], normalisations[slot] = self._ports[a.place], self._normalisations[a.place]
             divisor = self._divisors[a.place]
             if divisor is not None:
-                frames[slot, 2] /= p[divisor]
+                normalisations[slot, 2] /= p[divisor]
             parameters[slot, : q.size] = q
             # Without a place to come to rest at, a force that is kept would drive the device on.
             still[slot] = a.effect.remembers_motion and ports[slot, 1] >= 0
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)
-        return Forces(len(pushing), ports, frames, still, memory, parameters)
+        return Forces(len(pushing), ports, normalisations, still, memory, parameters)
 
     @cached_property
     def _ports(self) -> np.ndarray:
@@ -75,6 +75,6 @@ class ForceSlots:
         ]
 
     @cached_property
-    def _frames(self) -> np.ndarray:
+    def _normalisations(self) -> np.ndarray:
         found = self.normalisations or (Normalisation(),) * len(self.simulation.force_ports)
         return np.array([[each.rest, each.scale, each.unit_force] for each in found])

@@ -24,11 +24,11 @@ DIVERGED = 1e30  # far above states in any unit, far below where their products 
 
 
 @njit(inline="always")
-def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarray) -> None:
+def _positions(x: np.ndarray, ports: np.ndarray, normalisations: np.ndarray, z: np.ndarray) -> None:
     """Write the normalised position of each port that has one."""
     for e in range(SLOTS + 1):
         if ports[e, 1] >= 0:
-            z[e] = (x[ports[e, 1]] - frames[e, 0]) / frames[e, 1]
+            z[e] = (x[ports[e, 1]] - normalisations[e, 0]) / normalisations[e, 1]
 
 
 @njit(inline="always")
@@ -79,7 +79,7 @@ def integrate(
     """
     derivative, output, law_1, law_2, law_3 = equations
     u, steps, straight, drive_scale, interval, substeps, lead = course
-    attached, ports, frames, still, memory, q = forces
+    attached, ports, normalisations, still, memory, q = forces
     taken_over, gains = reading
     result, vectors, matrices = workspace
     # The caller holds all arrays that reach the equations and the laws.
@@ -106,7 +106,7 @@ def integrate(
     soon = 1e-3 * h  # over which the output's rate is a difference
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     # Memories are kept half a step ahead, which makes the splitting one of second order.
-    _positions(x, ports, frames, z)
+    _positions(x, ports, normalisations, z)
     moves_1, moves_2, moves_3 = _moving(attached, still, lead)
     if moves_1:
         law_1.update(z[0], z[0], 0.5 * h, m1, q1)
@@ -118,7 +118,7 @@ def integrate(
         p[drive] = p_drive * drive_scale[i]
         if i == lead:
             moves_1, moves_2, moves_3 = _moving(attached, still, 0)
-        _positions(x, ports, frames, z)
+        _positions(x, ports, normalisations, z)
         result[0, i] = output(x, u[i], p)
         if order:
             if not i:
@@ -153,7 +153,7 @@ def integrate(
                         unforced[j] = beside[j]
                 for e in range(attached):
                     position, velocity = ports[e, 1], ports[e, 2]
-                    rest, scale = frames[e, 0], frames[e, 1]
+                    rest, scale = normalisations[e, 0], normalisations[e, 1]
                     at = (moved[position] - rest) / scale if position >= 0 else z[e]
                     w = (moved[velocity] if velocity >= 0 else beside[position]) / scale
                     if e == 0:
@@ -162,7 +162,7 @@ def integrate(
                         push = law_2.force(at, w, m2, q2)
                     else:
                         push = law_3.force(at, w, m3, q3)
-                    pushes[e] = frames[e, 2] * push
+                    pushes[e] = normalisations[e, 2] * push
                 for e in range(attached):
                     beside[ports[e, 0]] += pushes[e]
                     if ports[e, 3] >= 0:
@@ -187,7 +187,9 @@ def integrate(
                 advance(J, slope, ramp, h, step, room)
             for e in range(attached):
                 if ports[e, 1] < 0:
-                    z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
+                    z_next[e] = (
+                        z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / normalisations[e, 1]
+                    )
             if order:
                 first, first_rate = _with_rate(output, x, slope, u[i], p, soon, moved)
                 for j in range(states):
@@ -206,7 +208,7 @@ def integrate(
                 for k in range(order):
                     read[k] = filtered[k]
             if attached:
-                _positions(x, ports, frames, z_next)
+                _positions(x, ports, normalisations, z_next)
                 if moves_1:
                     law_1.update(z[0], z_next[0], h, m1, q1)
                 if moves_2:

@@ -165,7 +165,7 @@ def measured_scales(
     own = extended.simulation
     z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
     placed = not own.force_ports or own.force_ports[force_port].position is not None
-    frames = extended.normalisations
+    normalisations = extended.normalisations
     u = by_input(record.u)[at_input]
     rate = np.abs(np.diff(u)) / record.interval
     return Scales(
@@ -182,7 +182,7 @@ def measured_scales(
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
         smooth=extended.input_interpolation == "smooth",
         placed=placed,
-        inertia=frames[force_port].inertia if frames else 0.0,
+        inertia=normalisations[force_port].inertia if normalisations else 0.0,
     )
 
 

@@ -41,10 +41,10 @@ def save_extended(
         )
     content = {
         "simulation": own.source or own.name,
-        "hold": extended.simulation.input_interpolation,
+        "input_interpolation": extended.simulation.input_interpolation,
         "interval": float(interval),
         "substeps": extended.substeps,
-        "frames": [
+        "normalisations": [
             {key: float(value) for key, value in asdict(each).items()}
             for each in extended.normalisations
         ],
@@ -52,7 +52,7 @@ def save_extended(
             {
                 "name": a.effect.name,
                 "port": str(a.effect.port),
-                "balance": a.place,
+                "place": a.place,
                 "upstream": a.upstream,
                 "scales": _plain(asdict(a.scales)),
             }
@@ -107,14 +107,17 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             )
         attached = tuple(
             Attached(
-                catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"], e["upstream"]
+                catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["place"], e["upstream"]
             )
             for e in effects
         )
         extended = ExtendedSimulation(
-            replace(load_simulation(content["simulation"]), input_interpolation=content["hold"]),
+            replace(
+                load_simulation(content["simulation"]),
+                input_interpolation=content["input_interpolation"],
+            ),
             attached,
-            tuple(Normalisation(**each) for each in content["frames"]),
+            tuple(Normalisation(**each) for each in content["normalisations"]),
             content["substeps"],
         )
         own = content["parameters"]
