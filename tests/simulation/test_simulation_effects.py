@@ -1011,14 +1011,18 @@ def test_a_line_beside_a_periodic_disturbance_is_no_harmonic(lines, beside):
         assert start[at] == (beside or 0.0)
 
 
-def test_a_wave_that_hardly_repeats_is_no_disturbance_to_start_from():
-    """Five harmonics of four periods are any course in time."""
+def test_sidebands_stand_on_either_side_of_the_wave_that_is_modulated():
     effect = catalogue()["periodic_disturbance"]
-    slow, fast = 4.0 / SCALES.duration, 9.0 / SCALES.duration
-    told = replace(SCALES, foreign_frequencies=(slow, fast))
-    assert {start[0] for start in effect.starts(told)} == {fast}
-    assert effect.parameters(told)[0].nominal == fast
-    assert not effect.starts(replace(SCALES, foreign_frequencies=(slow,)))
+    told = replace(SCALES, foreign_frequencies=(1.3, 1.1))
+    prior = {each.name: each.nominal for each in effect.parameters(told)}
+    assert (prior["line_beside"], prior["line_opposite"]) == pytest.approx((1.1, 1.5))
+    size, swing, slow = 0.01, 0.2, 2 * np.pi * 0.2
+    q = values("periodic_disturbance", frequency=1.3, cosine_1=size,
+               line_beside=1.1, cosine_beside=0.5 * swing * size,
+               line_opposite=1.5, cosine_opposite=0.5 * swing * size)  # fmt: skip
+    modulated = size * (1.0 + swing * np.cos(slow * T)) * np.cos(2 * np.pi * 1.3 * T)
+    found = effect.shape_output(Y, T, q, DT) - Y
+    np.testing.assert_allclose(found, modulated, atol=1e-9)
 
 
 @pytest.mark.parametrize(("periods", "changes"), [(19, False), (21, True)])

@@ -9,6 +9,8 @@ from dea.inputs import by_input
 from dea.missing import filled
 
 _LINES = 2
+# Periods in a record at least: a wave of five harmonics that hardly repeats is any course in time.
+_REPEATED = 6
 _JUMPS = 3
 _GRID = 8
 # Bins beside a harmonic that its window spreads to.
@@ -19,8 +21,9 @@ _HARMONICS = 5
 _LEAST, _SHARP = 1e-6, 20.0
 # Foreign lines at most.
 _MOST = 4
-# Bins on either side of a line that it spreads to at most, and that it is compared with.
-_SPREAD, _AROUND = 6, 30
+# Bins on either side of a line that are its own, that it spreads to at most, and that it is
+# compared with.
+_LINE, _SPREAD, _AROUND = 3, 6, 30
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
@@ -71,13 +74,17 @@ def _is_harmonic(line: float, fundamental: float, bin_width: float) -> bool:
 
 
 def _around(power: np.ndarray) -> np.ndarray:
-    """Return the mean power around each bin, but not beside it, where a line spreads to."""
-    weights = np.ones(2 * _AROUND + 1)
-    weights[_AROUND - _SPREAD : _AROUND + _SPREAD + 1] = 0.0
-    own = slice(_AROUND, _AROUND + power.size)
-    there = np.convolve(np.ones(power.size), weights)[own]
-    mean: np.ndarray = np.convolve(power, weights)[own] / np.maximum(there, 1.0)
-    return mean
+    """Return the power of noise around each bin, but not beside it, where a line spreads to.
+
+    It is the median, which other lines near by hardly change, over that of an exponential
+    distribution with a mean of one.
+    """
+    from scipy.ndimage import median_filter
+
+    there = np.ones(2 * _AROUND + 1, bool)
+    there[_AROUND - _LINE : _AROUND + _LINE + 1] = False
+    level: np.ndarray = median_filter(power, footprint=there, mode="reflect") / np.log(2.0)
+    return level
 
 
 def _seen(problem: Problem, residual: np.ndarray) -> np.ndarray:
@@ -106,9 +113,11 @@ def _peaks(
     frequency: np.ndarray, power: np.ndarray, prominence: np.ndarray, without: np.ndarray
 ) -> list[float]:
     """Return the frequencies of the highest peaks of a prominence, none of them ``without``."""
-    left = np.where(without, 0.0, prominence)
-    # The first bins hold trends.
-    left[:4] = 0.0
+    beside = np.pad(prominence, 1)
+    peaked = (prominence >= beside[:-2]) & (prominence >= beside[2:])
+    left = np.where(without | ~peaked, 0.0, prominence)
+    # The first bins hold trends, which no wave repeats.
+    left[:_REPEATED] = 0.0
     found = []
     for _ in range(_LINES):
         peak = int(np.argmax(left))

@@ -10,19 +10,19 @@ _HARMONICS = 5
 _WANDERS = range(2, 7)
 # Periods in a record by which two lines must differ at least.
 _APART = 2.0
-# Periods in a record at least: a wave of five harmonics that hardly repeats is any course in time.
-_LEAST = 6.0
 # Periods in a record from which the phase may change slowly: with fewer, such a wave is almost any
 # course in time.
 _MANY = 20.0
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of five harmonics whose phase may change slowly, and a line beside them.
+    """Add a wave of five harmonics whose phase may change slowly, and two lines beside them.
 
     They may grow with the output: what disturbs the drive shows where the output is steep.
     """
-    *wander, beside, cosine, sine, growth, duration, middle, half = q[1 + 2 * _HARMONICS :]
+    first = 1 + 2 * _HARMONICS + len(_WANDERS)
+    wander, beside = list(q[1 + 2 * _HARMONICS : first]), q[first : first + 6].reshape(2, 3)
+    growth, duration, middle, half = q[first + 6 :]
     if q[0] * duration < _MANY:
         wander = [0.0]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
@@ -30,8 +30,10 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
-    if cosine or sine:
-        wave += cosine * np.cos(2.0 * np.pi * beside * t) + sine * np.sin(2.0 * np.pi * beside * t)
+    for frequency, cosine, sine in beside:
+        if cosine or sine:
+            angle = 2.0 * np.pi * frequency * t
+            wave += cosine * np.cos(angle) + sine * np.sin(angle)
     place = np.clip((y - middle) / half, -1.0, 1.0)
     result: np.ndarray = y + np.exp(growth * place) * wave
     return result
@@ -40,14 +42,15 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return frequency, amplitudes, weights of Legendre polynomials of the phase, and growth.
 
-    Before the growth a second line, where the residual has one that is no harmonic. The amplitude
-    grows by the square of e^growth over the range of the output.
+    Before the growth a line where the residual has one that is no harmonic, and its mirror image:
+    what modulates a wave gives it a sideband on either side. The amplitude grows by the square of
+    e^growth over the range of the output.
     """
     unit, span, size = scales.y_unit, scales.y_span, 0.03 * scales.y_span
     nyquist = 0.5 / scales.interval
-    frequency = next(iter(_repeating(scales)), 0.1 * nyquist)
-    apart, resolved = _line_beside(scales), 0.1 / scales.duration
-    there = float(apart is not None)
+    frequency = next(iter(scales.foreign_frequencies), 0.1 * nyquist)
+    resolved = 0.1 / scales.duration
+    beside, opposite = _lines_beside(scales)
     return (
         Parameter("frequency", "Hz", frequency, resolved, 0.0, nyquist),
         *(
@@ -56,11 +59,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             for part in ("cosine", "sine")
         ),
         *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
-        Parameter("line_beside", "Hz", apart or 0.0, there * resolved, 0.0, nyquist, shape=True),
-        *(
-            Parameter(f"{part}_beside", unit, 0.0, there * size, shape=True)
-            for part in ("cosine", "sine")
-        ),
+        *_line("beside", beside, resolved, size, scales),
+        *_line("opposite", opposite, resolved, size, scales),
         Parameter("growth", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
         Parameter("middle", unit, 0.5 * (scales.y_low + scales.y_high), 0.0),
@@ -68,20 +68,31 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     )
 
 
-def _repeating(scales: Scales) -> tuple[float, ...]:
-    """Return the lines (Hz) of the residual that repeat often enough, the leading one first."""
-    slowest = _LEAST / scales.duration
-    return tuple(each for each in scales.foreign_frequencies if each >= slowest)
+def _line(
+    name: str, frequency: float | None, resolved: float, size: float, scales: Scales
+) -> tuple[Parameter, ...]:
+    """Return frequency and amplitudes of a line, which are held where there is none."""
+    there = float(frequency is not None)
+    nyquist, unit = 0.5 / scales.interval, scales.y_unit
+    return (
+        Parameter(
+            f"line_{name}", "Hz", frequency or 0.0, there * resolved, 0.0, nyquist, shape=True
+        ),
+        Parameter(f"cosine_{name}", unit, 0.0, there * size, shape=True),
+        Parameter(f"sine_{name}", unit, 0.0, there * size, shape=True),
+    )
 
 
-def _line_beside(scales: Scales) -> float | None:
-    """Return the first line (Hz) that is no harmonic of the leading one, if there is any."""
-    leading, *others = _repeating(scales) or (np.inf,)
+def _lines_beside(scales: Scales) -> tuple[float | None, float | None]:
+    """Return the first line (Hz) that is no harmonic of the leading one, and its mirror image."""
+    leading, *others = scales.foreign_frequencies or (np.inf,)
+    apart = _APART / scales.duration
     for frequency in others:
         order = min(max(round(frequency / leading), 1), _HARMONICS)
-        if abs(frequency - order * leading) > _APART / scales.duration:
-            return frequency
-    return None
+        if abs(frequency - order * leading) > apart:
+            image = 2.0 * leading - frequency
+            return frequency, image if image > apart else None
+    return None, None
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
@@ -93,11 +104,11 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     size = 1e-5 * scales.y_span
     middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
     amplitudes = (0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS))
-    beside = (_line_beside(scales) or 0.0, 0.0, 0.0)
+    beside = [v for line in _lines_beside(scales) for v in (line or 0.0, 0.0, 0.0)]
     rest = (*amplitudes, *beside, 0.0, scales.duration, middle, half)
     return tuple(
         (frequency, *phase, *rest)
-        for frequency in dict.fromkeys(_repeating(scales))
+        for frequency in dict.fromkeys(scales.foreign_frequencies)
         for phase in ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))
     )
 
