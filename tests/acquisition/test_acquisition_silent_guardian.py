@@ -319,3 +319,38 @@ def test_the_recorder_raises_the_alarm_where_no_guardian_can(module, tmp_path, m
     assert "ALARM: plain module: no guardian can take the output to zero" in capfd.readouterr().err
     by_hand.zero(module.description(), SETTINGS)
     assert module.volts == 0.0
+
+
+@pytest.mark.parametrize(
+    ("told", "settings", "silent", "is_tried"),
+    [
+        (5.0, {}, 7.9, False),
+        (5.0, {}, 8.1, True),
+        # A notice of an earlier version tells no patience: that of the settings counts.
+        (0.0, {"timeout": 4.0}, 3.1, False),
+    ],
+)
+def test_a_guardian_is_ended_by_hand_only_where_it_is_silent_for_longer_than_its_recorder_waits(
+    told, settings, silent, is_tried, monkeypatch, tmp_path
+):
+    now = time.monotonic()
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    tried = []
+    monkeypatch.setattr(by_hand, "end", lambda path, notice: tried.append(notice) or True)
+    notice = duty.Notice(7, True, duty.Phase.DRIVING, 1, 3.0, 0.0, now - silent, 3000, told)
+    watched = by_hand._Watched(tmp_path, AcquisitionSettings(**settings))
+    assert not watched.ended(notice), "twice the same: this process may have stood still itself"
+    assert watched.ended(notice) is is_tried
+    assert bool(tried) is is_tried
+
+
+def test_a_guardian_that_cannot_be_ended_is_told_after_the_sixth_attempt(monkeypatch, tmp_path):
+    now = time.monotonic()
+    notice = duty.Notice(7, True, duty.Phase.DRIVING, 1, 3.0, 0.0, now - 60.0, 3000, 1.0)
+    monkeypatch.setattr(by_hand, "end", lambda path, notice: False)
+    monkeypatch.setattr(by_hand, "look", lambda path: notice)
+    watched = by_hand._Watched(tmp_path, AcquisitionSettings())
+    for _ in range(6):
+        assert not watched.ended(notice)
+    with pytest.raises(InputError, match="cannot be ended from here"):
+        watched.ended(notice)
