@@ -45,7 +45,7 @@ class Budget(Section):
         "standard deviation of the perturbation", unit="prior spreads", default=0.5
     )
     exchanges: WholeNotNegative = key(
-        "times that the best pair gives up one of its effects for another", default=3
+        "times that one effect of the best pair is exchanged for another", default=3
     )
     exchange_above: Positive = key(
         "residual above which a pair is exchanged", unit="noise floors", default=1.05

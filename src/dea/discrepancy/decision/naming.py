@@ -107,9 +107,9 @@ def _stands_alone(
 
     Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
     alone must leave more than noise, and no other single effect nearly the same misfit, unless that
-    predicts blocks left out much worse. Pairs bend to what they see: none may have nearly the error
-    of another, unless that predicts blocks left out worse, too. A part must leave room for the
-    rest.
+    predicts blocks left out much worse. A pair can overfit the samples it was fitted to: no other
+    may have nearly its error, unless that one predicts blocks left out worse. A part must leave
+    room for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
     if evidence.nominal_error <= rules.clean * floor or not explained(evidence, surest, weighed):

@@ -29,9 +29,9 @@ def rivals_of(
     """Return the candidates that explain the record as well: of another class, or of the same.
 
     Those with a similar error are compared with it on held-out residuals, since of two laws the
-    more flexible one fits better the blocks that it has seen. Of several laws each bends to the
-    errors of the others, so that a set of another class with nearly their error is a rival whatever
-    it predicts.
+    more flexible one fits better the blocks that it has seen. Of several laws each is
+    fitted to the errors of the others, so that a set of another class with nearly their error is a
+    rival whatever it predicts.
     """
     held_out, rules = evidence.held_out, evidence.rules
     several = len(chosen.names) > 1 and not akin

@@ -71,8 +71,8 @@ class Localisation:
     rms
         RMS residual over all samples, in ``unit``.
     told
-        Whether the residual forgets fast enough for the record to say what chance would make of it
-        along every quantity, time too.
+        Whether the memory of the residual is short enough for the record to say what chance would
+        make of it along every quantity, time too.
     """
 
     dataset: xr.Dataset

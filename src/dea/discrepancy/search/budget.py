@@ -45,7 +45,7 @@ class Budget:
         Residual, in noise floors, above which they are, and the deviation of the perturbation of
         the law's parameters, in prior spreads.
     exchanges
-        Times that the best pair gives up one of its effects for another. Without any, the
+        Times that one effect of the best pair is exchanged for another. Without any, the
         partners of the best pair are not extended either.
     exchange_above, exchange_misfit
         A pair is exchanged if it leaves more than this many noise floors, but no more than this

@@ -174,7 +174,7 @@ def with_shapes_anew(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
 def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """Return a fit from the same laws, with the simulation's parameters at their prior means.
 
-    These may have moved far to make up for the effects, and find no way back along a narrow valley.
+    These may have moved far to make up for the effects, and a fit from there converges slowly.
     Another effect is better attached to the fit that was found without this: what is best alone may
     make up for it.
     """
