@@ -1,6 +1,5 @@
 """The files that a figure or a table is made from, found by what they hold and of whom."""
 
-import json
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +10,7 @@ from dea.configuration.files import read_yaml
 from dea.errors import InputError
 from dea.store.files import read
 from dea.store.record_file import read_record
+from dea.strict_json import from_json
 
 _Read = TypeVar("_Read")
 
@@ -93,7 +93,7 @@ class Sources:
 
 def _document(file: Path) -> Mapping[str, Any]:
     content: Mapping[str, Any] = (
-        json.loads(file.read_text(encoding="utf-8"))
+        from_json(file.read_text(encoding="utf-8"))
         if file.suffix == ".json"
         else read_yaml(file, what="the file", example="config/published_errors.yaml")
     )
