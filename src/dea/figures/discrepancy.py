@@ -21,7 +21,8 @@ _BESIDE = 1.3
 _HEADROOM = 1.3
 # Most samples of the runs that are drawn: more would look like a filled area.
 _RUN = 1000
-# Bars that a panel has room for: at least, so that one alone is not too thick, and at most.
+# Bars, or gains, that a panel has room for: at least, so that one bar alone is not too thick, and
+# at most.
 _FEW, _MOST_BARS = 3, 8
 # Intervals of an axis, so that labels as long as -1500 do not overlap.
 _TICKS = 4
@@ -229,7 +230,7 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
 def _gains(ax: Axes, candidates: xr.Dataset) -> None:
     """Draw the gains of the best candidates; of one that was only screened none is held out."""
     candidates = candidates.isel(candidate=candidates["finished"].values > 0)
-    order = np.argsort(candidates["gain"].values)[::-1][:8]
+    order = np.argsort(candidates["gain"].values)[::-1][:_MOST_BARS]
     gain, low, high = (candidates[n].values[order] for n in ("gain", "gain_low", "gain_high"))
     ax.errorbar(
         gain, range(order.size), xerr=[gain - low, high - gain], fmt="o", color=style.BLUE, lw=1.0

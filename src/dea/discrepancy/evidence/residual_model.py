@@ -23,6 +23,7 @@ from dea.terms import input_symbol
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5
+_BETTER = 0.97  # part of the energy that a further term may leave at most: chance hardly takes more
 # A signal in the name of a term: an input, the output, or a derivative of one.
 _SYMBOL = re.compile(r"\b(?:u\d*|y)'*")
 
@@ -149,7 +150,7 @@ def _sparse(
         trial = [*chosen, int(np.argmax(correlation))]
         fitted = np.linalg.lstsq(X[train][:, trial], e[train], rcond=None)[0]
         after = float(np.mean((e[test] - X[test][:, trial] @ fitted) ** 2))
-        if after > 0.97 * error:
+        if after > _BETTER * error:
             break
         chosen, weights, error = trial, fitted, after
         remaining = e[train] - X[train][:, chosen] @ weights

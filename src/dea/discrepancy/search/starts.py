@@ -11,7 +11,9 @@ from dea.simulation import ExtendedSimulation
 _ITERATIONS = 30
 # Distance (in prior spreads) from the refit beyond which another fit is a start of its own.
 _FAR = 1.0
-# Draws of the prior, at most, and the samples that may be simulated for them in all.
+# Deviation of drawn starts (in prior spreads): far from the prior, a simulation often runs away.
+_NEARER = 0.7
+# Draws around the prior mean, at most, and the samples that may be simulated for them in all.
 _DRAWS, _SHORT = 40, 10_000
 
 
@@ -22,7 +24,7 @@ def fit_nominal(
     rng: np.random.Generator,
     workers: int,
 ) -> Fit:
-    """Refit the simulation from ``count`` starts, its prior and draws of it; return the best.
+    """Refit the simulation from its prior mean and ``count`` - 1 draws around it; return the best.
 
     Raises
     ------
@@ -30,7 +32,7 @@ def fit_nominal(
         If the simulation is unstable wherever it is started from.
     """
     size = extended.free.size
-    starts = [np.zeros(size), *(0.7 * rng.standard_normal((count - 1, size)))]
+    starts = [np.zeros(size), *(_NEARER * rng.standard_normal((count - 1, size)))]
     fits = in_parallel(
         lambda start: fit(problem, extended, start, iterations=_ITERATIONS), starts, workers
     )
@@ -75,11 +77,11 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
 
     Where an effect is missing, the parameters of the refit are biased, which makes it a bad
     start. The fit near the prior, the fits to one half of the output and the prior itself are
-    others, and a short record affords draws of the prior as well.
+    others, and a short record affords draws around its mean as well.
     """
     size = nominal.coordinates.size
     draws = int(min(_DRAWS, _SHORT // problem.size))
-    drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
+    drawn = [at(problem, nominal.extended, x) for x in _NEARER * rng.standard_normal((draws, size))]
     others = [near, *fit_parts(problem, near)] if near.stable else []
     others.append(at(problem, nominal.extended, np.zeros(size)))
     far = [
