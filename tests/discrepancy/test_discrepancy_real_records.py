@@ -57,7 +57,7 @@ def test_the_drives_sensor_is_named_and_serves_on_the_other_record():
 
 
 def test_the_tanks_overflow_leads_and_serves_on_the_other_record():
-    """What acts on the lower level is open: the record tells no stop there from a curve."""
+    """What acts on the lower level, or on its reading, is open: one record does not tell."""
     verdict = diagnosed("cascaded_tanks").verdict
     assert verdict.status in ("named", "ambiguous"), verdict.sentence
     assert verdict.names[0] == "end_stop"
