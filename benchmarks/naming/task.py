@@ -85,7 +85,7 @@ class Task:
             whole = replace(self.settings.budget, decimated=self.seen.size)
             settings = replace(self.settings, budget=whole)
             problem, _, bare = prepare([self.seen], self.simulation, settings)
-            return problem.whole([slice(0, problem.size)]), bare
+            return problem.whole(), bare
 
         found: tuple[Problem, ExtendedSimulation] = self.shared.once("problem", made)
         return found

@@ -69,7 +69,7 @@ def test_of_certified_samples_that_hold_no_event_none_is_fitted():
 @pytest.mark.slow
 def test_a_date_is_not_replaced_by_a_worse_one():
     problem, fitted = stepped(certified(0.5), certified(0.5))
-    whole = problem.whole(fitted.records)
+    whole = problem.whole()
     costs = [cost_of(fitted.residual, fitted.coordinates, whole)]
     for _ in range(3):
         fitted = with_events_dated(problem, fitted)

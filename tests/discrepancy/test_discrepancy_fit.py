@@ -393,7 +393,7 @@ def test_the_warm_up_of_every_record_stays_unused():
     used = np.ones(1000, bool)
     used[:100] = used[600:640] = used[300:350] = False
     problem = Problem(u, u, INTERVAL, used, ~np.ones(1000, bool), ~np.ones(1000, bool))
-    whole = problem.whole([slice(0, 600), slice(600, 1000)])
+    whole = replace(problem, lengths=(600, 400)).whole()
     assert whole.seen.sum() == 1000 - 100 - 40
     assert not whole.seen[:100].any()
     assert not whole.seen[600:640].any()

@@ -15,7 +15,6 @@ from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 
 INTERVAL, SAMPLES = 0.02, 3000
 T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
-WHOLE = [slice(0, SAMPLES)]
 
 
 def recorded(u, y, seen=None):
@@ -107,7 +106,7 @@ def test_a_line_is_weighed_by_what_the_input_has_around_it():
 def test_a_jump_of_the_mean_is_found_where_it_is(at):
     rng = np.random.default_rng(3)
     residual = np.where(np.arange(SAMPLES) < at, 0.0, 1.0) + 0.05 * rng.standard_normal(SAMPLES)
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
     assert found[0] == pytest.approx(at * INTERVAL, abs=1.01 * INTERVAL)
     assert len(found) == 2 * 3 + 8
     # The neighbourhood of an instant, a twentieth of the record on either side, holds no other.
@@ -119,7 +118,7 @@ def test_a_change_that_passes_is_found_at_both_ends():
     samples = np.arange(SAMPLES)
     residual = 1.0 * ((samples >= 800) & (samples < 2200))
     residual += 0.01 * np.random.default_rng(3).standard_normal(SAMPLES)
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
     assert sorted(found[:2]) == pytest.approx(
         [800 * INTERVAL, 2200 * INTERVAL], abs=1.01 * INTERVAL
     )
@@ -130,8 +129,8 @@ def test_a_jump_counts_from_the_start_of_its_own_record():
     second = np.arange(SAMPLES) >= 2000
     residual = 4.0 * second + (np.arange(SAMPLES) >= 2400)
     residual = residual + 0.05 * np.random.default_rng(3).standard_normal(SAMPLES)
-    records = [slice(0, 2000), slice(2000, SAMPLES)]
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, records)
+    problem = recorded(np.zeros(SAMPLES), np.sin(T) + residual)
+    found = jumps(replace(problem, lengths=(2000, SAMPLES - 2000)), residual)
     assert found[6] == pytest.approx(400 * INTERVAL, abs=1.01 * INTERVAL)
     assert max(found) <= 2000 * INTERVAL
 
@@ -139,7 +138,7 @@ def test_a_jump_counts_from_the_start_of_its_own_record():
 def test_a_jump_shortly_before_the_end_is_found_among_noise():
     noise = np.random.default_rng(5).standard_normal(SAMPLES)
     residual = noise + np.where(np.arange(SAMPLES) < 2985, 0.0, 2.5)
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
     assert found[0] == pytest.approx(2985 * INTERVAL, abs=3 * INTERVAL)
 
 
@@ -148,7 +147,7 @@ def test_a_jump_of_the_coupling_to_the_output_is_found_where_it_is():
     simulated = 3.0 + np.sin(2 * np.pi * 1.7 * T)
     after = np.arange(SAMPLES) >= 1900
     residual = 0.3 * after * (simulated - 3.0) + 0.01 * rng.standard_normal(SAMPLES)
-    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual)
     assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
 
 
@@ -157,7 +156,7 @@ def test_a_residual_that_grows_by_itself_is_no_jump_of_the_coupling():
     simulated = 3.0 + np.sin(2 * np.pi * 1.7 * T)
     loud = np.where(np.arange(SAMPLES) < 800, 0.0, 1.0) * rng.standard_normal(SAMPLES)
     residual = loud + (np.arange(SAMPLES) >= 1900) * (simulated - 3.0)
-    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual)
     assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
 
 
@@ -235,7 +234,7 @@ def test_no_hint_comes_from_certified_samples():
         (
             lines(problem, residual),
             foreign_lines(problem, residual),
-            jumps(problem, residual, WHOLE),
+            jumps(problem, residual),
         )
         for residual in (quiet, shown)
         for problem in [recorded(u, np.sin(T) + residual, seen)]
@@ -248,14 +247,14 @@ def test_a_step_in_the_certified_block_is_looked_for_inside_it():
     seen[1200:1800] = False
     noise = 0.01 * np.random.default_rng(9).standard_normal(SAMPLES)
     residual = noise + (np.arange(SAMPLES) >= 1700)
-    found = jumps(recorded(np.zeros(SAMPLES), residual, seen), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), residual, seen), residual)
     assert 1200 * INTERVAL < found[0] < 1800 * INTERVAL
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-6])
 def test_each_instant_is_told_once_in_any_unit(unit):
     residual = unit * (0.3 * (T > 20.0) - 0.2 * (T > 41.0))
-    found = jumps(recorded(np.zeros(SAMPLES), unit * np.sin(T) + residual), residual, WHOLE)
+    found = jumps(recorded(np.zeros(SAMPLES), unit * np.sin(T) + residual), residual)
     assert found[0] == pytest.approx(20.0, abs=0.1)
     assert min(abs(np.diff(sorted(found[:2])))) > 1.0
 

@@ -167,9 +167,7 @@ def diagnose(
     # Describe.
     where = Where(
         *(
-            localise(
-                problem, each.residual, own.inputs, own.output_unit, problem.seen, rng, each.records
-            )
+            localise(problem, each.residual, own.inputs, own.output_unit, problem.seen, rng)
             for each in (near, final)
         )
     )

@@ -48,7 +48,7 @@ def _dated(
 
     They start where a fit to the seen samples left them, or at one of the instants ``tried`` (s).
     """
-    extended, whole = fitted.extended, problem.whole(fitted.records)
+    extended, whole = fitted.extended, problem.whole()
     values = np.tile(fitted.values, (tried.size + 1, 1))
     values[1:, instants] = tried[:, np.newaxis]
     starts = [extended.coordinates(each) for each in values]

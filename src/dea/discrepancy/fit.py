@@ -163,7 +163,7 @@ def on_whole_record(problem: Problem, fitted: Fit) -> Fit:
     Where an effect explains the record as well without a timing offset, there is none: a delay or
     a lag then counts in full.
     """
-    whole = problem.whole(fitted.records)
+    whole = problem.whole()
     free = fit(whole, fitted.extended, fitted.coordinates)
     names = [fitted.extended.names[i] for i in fitted.extended.free]
     if TIMING_OFFSET not in names:

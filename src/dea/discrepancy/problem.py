@@ -1,6 +1,6 @@
 """A record to be explained: its signals, the roles of its samples, and its noise."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -110,10 +110,14 @@ class Problem(Samples):
         """Return the change per second of a signal (n,)."""
         return self.of_each_record(lambda own: np.gradient(own, self.interval), signal)
 
+    def across_certified(self, signal: np.ndarray) -> np.ndarray:
+        """Return a signal (n,) interpolated over the certified samples, which choose nothing."""
+        return filled(np.where(self.certify, np.nan, signal))[0]
+
     @cached_property
     def uncertified(self) -> "Problem":
-        """The record with outputs interpolated over the certified samples, which choose nothing."""
-        return replace(self, y=filled(np.where(self.certify, np.nan, self.y))[0])
+        """The record with outputs as if the certified samples were missing."""
+        return replace(self, y=self.across_certified(self.y))
 
     @cached_property
     def bridged(self) -> np.ndarray:
@@ -129,18 +133,19 @@ class Problem(Samples):
                 result[missing] = self.seen[missing.start - 1] and self.seen[missing.stop]
         return result
 
-    def blocks(self, length: float) -> list[slice]:
-        """Cut what is :attr:`bridged`, in each record, into blocks of about ``length`` samples."""
-        return cut(
-            (
-                slice(own.start + run.start, own.start + run.stop)
-                for own in self.records
-                for run in runs(self.bridged[own])
-            ),
-            length,
-        )
+    def blocks(self, length: float, own: slice | None = None) -> list[slice]:
+        """Cut what is :attr:`bridged` into blocks of about ``length`` samples.
 
-    @property
+        None reaches from one record into another. Those of one record, ``own``, can be had alone.
+        """
+        parts = (
+            slice(each.start + run.start, each.start + run.stop)
+            for each in (self.records if own is None else [own])
+            for run in runs(self.bridged[each])
+        )
+        return cut(parts, length)
+
+    @cached_property
     def noise_blocks(self) -> list[slice]:
         """Blocks that are long enough to show the level of white noise."""
         parts, shortest = _FOR_NOISE
@@ -184,11 +189,11 @@ class Problem(Samples):
         """Samples whose output was measured, shape (n,)."""
         return np.ones(self.size, bool) if self.measured is None else self.measured
 
-    def whole(self, records: Sequence[slice]) -> "Problem":
+    def whole(self) -> "Problem":
         """Return it with all samples for fits to see, but those before the first of each record."""
         used = self.seen | self.certify
         everything = self.known.copy()
-        for own in records:
+        for own in self.records:
             everything[own.start : own.start + int(np.argmax(used[own]))] = False
         return replace(self, fit=everything, select=everything & False)
 

@@ -73,9 +73,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         file = _CASES / f"{name}.yaml"
         earlier = earlier_case(options.file, options.sheet, file)
         kept = earlier.simulation if earlier and options.simulation is None else None
+        simulation = options.simulation or kept
         infer = partial(
             infer_case, options.file,
-            simulation=options.simulation or kept, goal=options.goal, given=given,
+            simulation=simulation, goal=options.goal, given=given,
         )  # fmt: skip
         try:
             inferred = infer(answers)
@@ -83,10 +84,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if answers != Answers(sheet=options.sheet) or earlier is None:
                 raise
             inferred = infer(answers_of(earlier))
-        if options.simulation is not None:
-            _check_simulation(options.simulation, inferred.content["record"], None, "SIMULATION")
+        if simulation is not None:
+            named = (file, "simulation") if kept else (None, "SIMULATION")
+            _check_simulation(simulation, inferred.content["record"], *named)
         if kept is not None:
-            _check_simulation(kept, inferred.content["record"], file, "simulation")
             said = f"the simulation of this case, {kept}, is kept"
             inferred = replace(inferred, inferred=(*inferred.inferred, said))
         written = write_case(inferred, name, _CASES, command(options.goal, given))

@@ -6,10 +6,8 @@ from math import inf
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import transferable
-from dea.discrepancy.evidence.split import cut
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
-from dea.missing import runs
 
 # Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
 # where the fit to all of them ended.
@@ -91,7 +89,11 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     Where each of the records ``courses`` has a course in time of its own, the blocks are short and
     dealt singly.
     """
-    short = [[block] for own in courses for block in _short(problem, own)]
+    short = [
+        [block]
+        for own in courses
+        for block in problem.blocks(_OF_A_COURSE * (own.stop - own.start), own)
+    ]
     groups = short or _spanning(problem.blocks(inf), problem.period)
     count = min(_FOLDS, len(groups))
     dealt = []
@@ -103,12 +105,6 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     inside = [mask & _near_range(problem, problem.seen & ~mask) for mask in dealt]
     inside = [mask for mask in inside if mask.any()]
     return inside if len(inside) >= min(count, _LEAST_FOLDS) else dealt
-
-
-def _short(problem: Problem, own: slice) -> list[slice]:
-    """Return the seen blocks of a record, cut into short ones."""
-    blocks = cut(runs(problem.bridged[own]), _OF_A_COURSE * (own.stop - own.start))
-    return [slice(own.start + block.start, own.start + block.stop) for block in blocks]
 
 
 def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:

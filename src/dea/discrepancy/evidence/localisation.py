@@ -128,12 +128,11 @@ def localise(
     unit: str,
     samples: np.ndarray,
     rng: np.random.Generator,
-    records: Sequence[slice] = (),
 ) -> Localisation:
     """Find where a ``residual`` (n,) is concentrated among ``samples`` (n, bool).
 
     ``unit`` is that of the output. Of several ``inputs`` each is a quantity of its own. The time is
-    that since the start of each of the ``records``.
+    that since the start of its record.
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
     the largest standardised bin over all quantities (max statistic). Where the energy remembers so
@@ -145,7 +144,7 @@ def localise(
     energy = residual[where] ** 2
     signals = _inputs(problem, inputs)
     quantities = {}
-    for name, quantity in _quantities(problem, residual, signals, unit, records).items():
+    for name, quantity in _quantities(problem, residual, signals, unit).items():
         values = quantity.values[where]
         edges = _edges(values, name)
         label = np.clip(np.searchsorted(edges, values, "right") - 1, 0, edges.size - 2)
@@ -260,10 +259,9 @@ def _quantities(
     residual: np.ndarray,
     inputs: Sequence[_Signal],
     unit: str,
-    records: Sequence[slice],
 ) -> dict[str, _Quantity]:
     time = problem.time.copy()
-    for record in records:
+    for record in problem.records:
         time[record] -= time[record.start]
     simulated = problem.y - np.where(np.isfinite(residual), residual, 0.0)
     rate = problem.rate_of(simulated)

@@ -112,8 +112,7 @@ def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
 def _speed(problem: Problem, fitted: Fit) -> float:
     """Return how fast the simulated output moves, in ranges per second (RMS)."""
     output = problem.y - fitted.residual
-    rates = [np.gradient(output[own]) / problem.interval for own in fitted.records]
-    return float(np.sqrt(np.mean(np.concatenate(rates) ** 2)) / (np.ptp(output) or 1.0))
+    return float(np.sqrt(np.mean(problem.rate_of(output) ** 2)) / (np.ptp(output) or 1.0))
 
 
 def _effect(speed: float) -> Effect:

@@ -1,12 +1,9 @@
 """Starting values for laws whose cost has many minima: lines and jumps of the residual."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
-from dea.missing import filled
 
 _LINES = 2
 # Periods in a record at least: a wave of five harmonics that hardly repeats is any course in time.
@@ -32,7 +29,7 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     Of several inputs the one with most power at a frequency counts there.
     """
     own = _longest(problem)
-    frequency, power = _spectrum(_seen(problem, residual)[own], problem.interval)
+    frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
     driving = []
     for each in by_input(problem.u):
         drive = _spectrum(each[own], problem.interval)[1]
@@ -54,7 +51,7 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     lacks besides is broad, and may yet be higher.
     """
     own = _longest(problem)
-    frequency, power = _spectrum(_seen(problem, residual)[own], problem.interval)
+    frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
     if not problem.period:
         sharpness = power / (_around(power) + 1e-300)
         noise = (power <= _LEAST * power.max()) | (sharpness <= _SHARP)
@@ -85,14 +82,6 @@ def _around(power: np.ndarray) -> np.ndarray:
     there[_AROUND - _LINE : _AROUND + _LINE + 1] = False
     level: np.ndarray = median_filter(power, footprint=there, mode="reflect") / np.log(2.0)
     return level
-
-
-def _seen(problem: Problem, residual: np.ndarray) -> np.ndarray:
-    """Return the residual without its certified samples, over which it is interpolated.
-
-    A frequency or an instant is often determined by its start alone.
-    """
-    return filled(np.where(problem.certify, np.nan, residual))[0]
 
 
 def _longest(problem: Problem) -> slice:
@@ -136,15 +125,15 @@ def _offset(power: np.ndarray, peak: int) -> float:
     return float(np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)) if curvature < 0 else 0.0
 
 
-def jumps(problem: Problem, residual: np.ndarray, records: Sequence[slice]) -> tuple[float, ...]:
+def jumps(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """Return instants (s) at which mean, or coupling to the output, of the residual changes most.
 
     They count from the start of the record that each is found in. Cumulative sums find them (Page
     1954); a coarse grid over the longest record catches what they miss.
     """
-    simulated, seen = problem.y - residual, _seen(problem, residual)
+    simulated, seen = problem.y - residual, problem.across_certified(residual)
     found: list[float] = []
-    for own in records:
+    for own in problem.records:
         left, driven = seen[own], simulated[own] - simulated[own].mean()
         for weighted in (left, left * driven):
             n = weighted.size
@@ -154,6 +143,6 @@ def jumps(problem: Problem, residual: np.ndarray, records: Sequence[slice]) -> t
                 at = int(np.argmax(score))
                 found.append((at + 1) * problem.interval)
                 score[max(0, at - n // 20) : at + n // 20] = 0.0
-    longest = max(own.stop - own.start for own in records)
-    grid = (np.arange(_GRID) + 0.5) / _GRID * longest * problem.interval
+    own = _longest(problem)
+    grid = (np.arange(_GRID) + 0.5) / _GRID * (own.stop - own.start) * problem.interval
     return (*found, *(float(instant) for instant in grid))

@@ -216,7 +216,7 @@ def _offers(
     extended = before.extended
     residual = before.residual
     frequencies, foreign = lines(problem, residual), foreign_lines(problem, residual)
-    instants = jumps(problem, residual, before.records)
+    instants = jumps(problem, residual)
 
     @cache
     def scales(at_input: int) -> Scales:
