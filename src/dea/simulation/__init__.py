@@ -21,12 +21,13 @@ from dea.simulation.preparation import (
 from dea.simulation.saved import load_extended, save_extended
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import SensorFilter
-from dea.simulation.signatures import FORCE
+from dea.simulation.signatures import FORCE, SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
 __all__ = [
     "FORCE",
+    "SLOTS",
     "TIMING_OFFSET",
     "Attached",
     "Effect",

@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 
 from dea.discrepancy.rules import require_numbers
 from dea.errors import InputError
-
-_MOST_EFFECTS = 3  # that the force slots of the integrator hold
+from dea.simulation import SLOTS
 
 
 @dataclass(frozen=True)
@@ -90,10 +89,8 @@ class Budget:
 
     def __post_init__(self) -> None:
         require_numbers(self)
-        if not 1 <= self.effects <= _MOST_EFFECTS:
-            raise InputError(
-                f"it is {self.effects}", field="effects", remedy=f"Give 1 to {_MOST_EFFECTS}"
-            )
+        if not 1 <= self.effects <= SLOTS:
+            raise InputError(f"it is {self.effects}", field="effects", remedy=f"Give 1 to {SLOTS}")
 
     def of(self, samples: int, oversampled: bool) -> "Budget":
         """Return the budget for so many samples, which may be many more than the motion needs."""

@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
+import numpy as np
+
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
@@ -190,9 +192,8 @@ class Search:
         return misfit(candidates[0].rmse, self._lowest_level(candidates))
 
     def _lowest_level(self, candidates: Sequence[Candidate]) -> float:
-        problem, residuals = self.problem, [c.fit.residual for c in candidates]
-        blocks = problem.noise_blocks
-        return min(white_level(each, blocks, problem.known) for each in residuals)
+        residuals = [c.fit.residual for c in candidates]
+        return _lowest(self.problem, residuals, self.problem.known)
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
@@ -213,5 +214,8 @@ def noise_floor(problem: Problem, rounds: Sequence[Round]) -> float:
     known = problem.known & ~at_a_limit(problem.uncertified.y)
     residuals = [rounds[0].before.residual]
     residuals += [c.fit.residual for r in rounds for c in r.candidates[:3] if c.finished]
-    white = min(white_level(residual, problem.noise_blocks, known) for residual in residuals)
-    return max(white, quantisation(problem.y[problem.seen]))
+    return max(_lowest(problem, residuals, known), quantisation(problem.y[problem.seen]))
+
+
+def _lowest(problem: Problem, residuals: Sequence[np.ndarray], known: np.ndarray) -> float:
+    return min(white_level(residual, problem.noise_blocks, known) for residual in residuals)
