@@ -124,7 +124,7 @@ def test_a_course_in_time_promises_much_whether_it_rises_or_falls(name, sign):
     nominal = fit(moved, extended, np.zeros(extended.free.size))
     scales = replace(
         measured_scales(extended, nominal.values, moved),
-        jumps=jumps(moved, nominal.residual, nominal.records),
+        jumps=jumps(moved, nominal.residual),
     )
     base = Base.of(moved, nominal)
     best, *_ = promising(moved, [base], Offer(catalogue()[name], scales), 2)
