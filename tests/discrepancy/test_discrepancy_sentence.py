@@ -47,7 +47,7 @@ def concentrated(rms):
 
 
 def candidate(*names, at_bounds=(), fit=None):
-    return SimpleNamespace(names=names, at_bounds=at_bounds, fit=fit)
+    return SimpleNamespace(names=names, effects={*names}, at_bounds=at_bounds, fit=fit)
 
 
 def extension(*names):
@@ -71,7 +71,7 @@ def found(
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
     slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
-    timing_deviation=0.05,
+    timing_deviation=0.05, weighed=(),
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -107,7 +107,11 @@ def found(
         floor=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),
         share=share,
-        presence=SimpleNamespace(effects=effects or {}, families=families or {}),
+        presence=SimpleNamespace(
+            effects=effects or {},
+            families=families or {},
+            candidates=[candidate(*each) for each in weighed],
+        ),
         inputs=(Input("input", "V"),),
         units=("V", "mm"),
         rules=Rules(),
@@ -496,6 +500,24 @@ def test_priors_that_exclude_the_record_are_told(coordinates, remark):
         "asks for.",
     )
     assert remarks(found(Status.UNKNOWN, coordinates=(2.99, -2.99, 3.0))) == ()
+
+
+def test_it_is_told_that_the_presence_is_against_what_predicts_best():
+    """Of the cascaded tanks: a bent reading of many weights beside a stop."""
+    first, second = ("end_stop", "sensor_nonlinearity"), ("charge_leakage", "end_stop")
+    given = {"rivals": [second], "weighed": [second, first], "reason": Reason.RIVAL}
+    present = {"end_stop": 0.95, "charge_leakage": 0.92, "sensor_nonlinearity": 0.0005}
+    [text] = remarks(found(Status.AMBIGUOUS, *first, effects=present, **given))
+    assert text == (
+        "The first explanation leads by what it predicts on blocks left out, but "
+        "`sensor_nonlinearity` has a presence below 10 %: its law has more freedom than this "
+        "record supports. For its freedom, the explanation with `charge_leakage` and `end_stop` "
+        "leaves least."
+    )
+    present["sensor_nonlinearity"] = 0.2
+    assert remarks(found(Status.AMBIGUOUS, *first, effects=present, **given)) == ()
+    present["sensor_nonlinearity"] = 0.0005
+    assert remarks(found(Status.NAMED, *first, effects=present, **given)) == ()
 
 
 def test_it_is_told_that_the_certified_samples_are_close_to_the_others():

@@ -1,5 +1,6 @@
 """What a reader must know besides the verdict: timing, parameters at bounds, noise."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,7 +32,8 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
     # What a force would cause is no error to live with.
     rest = _force(found) or _noise(found)
     about_record = _rare(found), _outliers(found), _close(found)
-    texts = _timing(found), _dated(found), _bounds(found), _laws(found), rest, *about_record
+    about_laws = _excluded(found), _bounds(found), _laws(found)
+    texts = _timing(found), _dated(found), *about_laws, rest, *about_record
     return tuple(text for text in texts if text)
 
 
@@ -115,6 +117,29 @@ def _outliers(found: "Diagnosis") -> str:
         f"{samples} far from the neighbours, alone, as a sensor or a logger makes outliers: flag "
         "what is no motion as missing, and diagnose again."
     )
+
+
+def _excluded(found: "Diagnosis") -> str:
+    """Name effects of the first of several explanations whose presence contradicts it."""
+    if found.decision.status is not Status.AMBIGUOUS or found.decision.answer is None:
+        return ""
+    first, presence = found.decision.answer, found.presence
+    least = 1.0 - found.rules.certain
+    excluded = [name for name in first.names if presence.effects.get(name, 0.0) < least]
+    likeliest = next((c for c in presence.candidates if c.effects != first.effects), None)
+    if not excluded or likeliest is None:
+        return ""
+    several = len(excluded) > 1
+    return (
+        "The first explanation leads by what it predicts on blocks left out, but "
+        f"{_joined(excluded)} {'have' if several else 'has'} a presence below {100 * least:.3g} %: "
+        f"{'their laws have' if several else 'its law has'} more freedom than this record "
+        f"supports. For its freedom, the explanation with {_joined(likeliest.names)} leaves least."
+    )
+
+
+def _joined(names: Sequence[str]) -> str:
+    return " and ".join(label_in_words(name) for name in names)
 
 
 def _bounds(found: "Diagnosis") -> str:
