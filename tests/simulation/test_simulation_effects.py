@@ -159,6 +159,23 @@ def test_slew_limit_without_lag_is_a_rate_limiter():
     assert v[200 + 50] == pytest.approx(3.0 - 50.5 * DT * 1.0, rel=1e-6)
 
 
+def test_rates_that_grow_with_the_level_rise_and_fall_exponentially():
+    """From v the distance to where the rate would be zero grows by exp(growth rate t / half)."""
+    middle, half = 2.0, 1.0
+    steps = np.repeat([1.2, 2.9, 1.1], [50, 120, 250])
+    q = values("slew_limit", rate=1.0, falling_ratio=0.5, lag=1e-9, middle=middle, half_range=half,
+               rise_growth=-0.5, fall_growth=0.4)  # fmt: skip
+    found = catalogue()["slew_limit"].shape_input(steps, q, DT)
+
+    def course(start, rate, growth, t):
+        zero = middle - half / growth
+        return zero + (start - zero) * np.exp(rate * growth / half * t)
+
+    rising, falling = course(1.2, 1.0, -0.5, 50.5 * DT), course(2.9, -0.5, 0.4, 50.5 * DT)
+    assert (found[100], found[220]) == pytest.approx((rising, falling), rel=2e-3)
+    assert found[169] == pytest.approx(2.9)
+
+
 def test_a_speed_that_lags_solves_its_differential_equation():
     steps = np.repeat([1.0, 3.0, 0.5], 80)
     rate, tau, inertia = 2.0, 0.1, 0.3
@@ -617,6 +634,31 @@ def test_loops_may_be_smaller_where_the_material_saturates():
         found = forces("rate_independent_hysteresis", q, place + swing)[-501:]
         sizes.append(np.ptp(found))
     assert 0.25 < sizes[1] / sizes[0] < 0.45
+
+
+def test_loops_of_duhem_follow_the_equation_of_coleman_and_hodgdon():
+    """Their equation df = k dz - f |dz| / L, integrated through reversals of uneven size."""
+    q = values(
+        "rate_independent_hysteresis",
+        stiffness=0.4, largest_radius=0.3, start_position=0.7, duhem_part=1.0,
+    )  # fmt: skip
+    turns = np.array([0.7, 1.0, 0.4, 0.8, 0.55, 0.95])
+    found = forces("rate_independent_hysteresis", q, path_through(turns))[::200]
+    expected, f = [0.0], 0.0
+    for a, b in pairwise(turns):
+        sign = np.sign(b - a)
+        solved = solve_ivp(
+            lambda _, y, sign=sign: 0.4 * sign - y / 0.3,
+            (0.0, abs(b - a)), [f], rtol=1e-9, atol=1e-12,
+        )  # fmt: skip
+        f = float(solved.y[0, -1])
+        expected.append(-f)
+    assert found == pytest.approx(expected[: found.size], abs=1e-8)
+
+
+def path_through(turns):
+    """A path of 200 steps from each turn to the next."""
+    return np.concatenate([[turns[0]], *(np.linspace(a, b, 201)[1:] for a, b in pairwise(turns))])
 
 
 def test_coulomb_friction_opposes_the_motion_with_one_force():

@@ -28,45 +28,61 @@ def _radius(i: int, q: np.ndarray) -> float:
     return float(q[1] * ((i + 1.0) / OPERATORS) ** 2)
 
 
+@njit(float64(float64, float64, VECTOR), cache=True, error_model="numpy")
+def _turned(part: float, way: float, q: np.ndarray) -> float:
+    """Return the part of its limit that Duhem's force has after a way."""
+    end = 1.0 if way > 0.0 else -1.0
+    return float(end + (part - end) * np.exp(-abs(way) / q[1]))
+
+
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Sum of stop operators; ``memory`` holds their forces and the last position.
+    """Stop operators and a force of Duhem's type, in parallel.
 
-    With ``skew`` a stop resists more at its upper limit than at its lower one, so that the loop
-    has unlike branches.
+    ``memory`` holds the forces of the stops, the last position and the part of its limit that the
+    other force has. With ``skew`` each resists more at its upper limit than at its lower one, so
+    that the loop has unlike branches.
     """
     total = 0.0
     growth = _growth(z, q)
-    gained = growth * (z - memory[OPERATORS])
+    way = z - memory[OPERATORS]
+    gained = growth * way
     for i in range(OPERATORS):
         limit = growth * _radius(i, q)
         weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
         stop = min(max(memory[i] + gained, -limit), limit)
         share = stop / limit if limit != 0.0 else 0.0
         total -= weight * stop * (1.0 + q[6] * share)
-    return float(q[0] * total / OPERATORS)
+    turned = _turned(memory[OPERATORS + 1], way, q)
+    duhem = growth * q[1] * turned * (1.0 + q[6] * turned)
+    return float(q[0] * ((1.0 - q[9]) * total / OPERATORS - q[9] * duhem))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Move each stop, which slips at its radius."""
+    """Move each stop, which slips at its radius, and turn the other force."""
     growth = _growth(z_next, q)
-    gained = growth * (z_next - memory[OPERATORS])
+    way = z_next - memory[OPERATORS]
+    gained = growth * way
     for i in range(OPERATORS):
         limit = growth * _radius(i, q)
         memory[i] = min(max(memory[i] + gained, -limit), limit)
+    memory[OPERATORS + 1] = _turned(memory[OPERATORS + 1], way, q)
     memory[OPERATORS] = z_next
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return stop operators without force at the start position."""
+    """Return no force at the start position."""
     state = np.zeros(MEMORY)
     state[OPERATORS] = q[3]
     return state
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffness, radius, decay of the weight with it, start, growth in space, and skew."""
+    """Return stiffness, radius, decay of the weight with it, start, growth in space, and skew.
+
+    And the part of the stiffness that is of Duhem's type.
+    """
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True, at_port="stiffness"),
@@ -87,15 +103,18 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("skew", "1", 0.0, 0.3, -0.5, 0.5, shape=True),
         Parameter("middle", "1", middle, 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
+        Parameter("duhem_part", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return loops narrower and wider than the motion, and loops that saturate at both ends."""
+    """Return loops narrower and wider than the motion, that saturate at both ends, and Duhem's."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    stops = ((0.2, 0.0), (0.6, 0.0), (1.5, 0.0), (0.2, -2.0), (0.6, -2.0))
+    loops = (*((*each, 0.0) for each in stops), (0.2, 0.0, 1.0), (0.6, 0.0, 1.0))
     return tuple(
-        (0.2, part * span, 2.0, middle, 0.0, growth, 0.0, middle, 0.5 * span)
-        for part, growth in ((0.2, 0.0), (0.6, 0.0), (1.5, 0.0), (0.2, -2.0), (0.6, -2.0))
+        (0.2, part * span, 2.0, middle, 0.0, growth, 0.0, middle, 0.5 * span, duhem)
+        for part, growth, duhem in loops
     )
 
 
@@ -104,8 +123,8 @@ EFFECT = Effect(
     port=Port.FORCE,
     family=Family.DISSIPATION,
     symptom="up and down differ by a loop that does not shrink when the motion is slow",
-    citation="Visintin (1994), Differential Models of Hysteresis, III (Prandtl-Ishlinskii), "
-    "with unlike branches as in Al Janaideh, Rakheja and Su (2011)",
+    citation="Visintin (1994), Differential Models of Hysteresis, III (Prandtl-Ishlinskii) and V "
+    "(Duhem), with unlike branches as in Al Janaideh, Rakheja and Su (2011)",
     parameters=parameters,
     starts=starts,
     force=force,

@@ -16,7 +16,8 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
     Without a lag of the speed this is a first-order lag whose rate saturates. With one, as of the
     speed loop within a servo, a rise begins gradually; where that is longer than a quarter of the
-    lag of the place, the rise passes the target and rings about it.
+    lag of the place, the rise passes the target and rings about it. Each rate may grow from the
+    middle of the input's range to its upper end, as that of a supply whose current folds back.
     """
     rising, falling, tau, inertia = q[0], q[0] * q[1], q[2], q[3]
     h = interval / _PARTS
@@ -27,7 +28,9 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     for k in range(u.size):
         total = 0.0
         for _ in range(_PARTS):
-            speed += (min(max((u[k] - v) * near, -falling), rising) - speed) * taken_up
+            level = min(max((v - q[6]) / q[7], -1.0), 1.0)
+            most, least = rising * (1.0 + q[4] * level), -falling * (1.0 + q[5] * level)
+            speed += (min(max((u[k] - v) * near, least), most) - speed) * taken_up
             total += v + 0.5 * speed * h
             v += speed * h
         result[k] = total / _PARTS
@@ -35,20 +38,29 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the rising rate, the falling one's ratio to it, and the lags of place and speed."""
+    """Return the rising rate, the falling one's ratio to it, lags, and how each rate grows."""
     rate, dt = max(scales.u_rate, 1e-9), scales.interval
+    middle, half = 0.5 * (scales.u_low + scales.u_high), 0.5 * max(scales.u_span, 1e-9)
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
         Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
         Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True, shape=True),
         Parameter("speed_lag", "s", 0.0, 10 * dt, 0.0, 0.1 * scales.duration, shape=True),
+        Parameter("rise_growth", "1", 0.0, 0.3, -0.9, 0.9, shape=True),
+        Parameter("fall_growth", "1", 0.0, 0.3, -0.9, 0.9, shape=True),
+        Parameter("middle", scales.u_unit, middle, 0.0),
+        Parameter("half_range", scales.u_unit, half, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return rates below the fastest change of the input."""
     dt = scales.interval
-    return tuple((part * scales.u_rate, 1.0, 0.2 * dt, 0.5 * dt) for part in (0.7, 0.4, 0.2, 0.05))
+    middle, half = 0.5 * (scales.u_low + scales.u_high), 0.5 * max(scales.u_span, 1e-9)
+    return tuple(
+        (part * scales.u_rate, 1.0, 0.2 * dt, 0.5 * dt, 0.0, 0.0, middle, half)
+        for part in (0.7, 0.4, 0.2, 0.05)
+    )
 
 
 EFFECT = Effect(
