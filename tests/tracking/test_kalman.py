@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dea.errors import InputError
-from dea.tracking import fit_noise_ratio, log_likelihood, smooth
+from dea.tracking import Prior, fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.random_walk import RandomWalk
 
 
@@ -50,16 +50,16 @@ def test_smoother_and_likelihood_are_those_of_the_joint_gaussian(seed, n, q, mis
     Phi, _, y = random_walk(seed, n, q)
     if missing:
         y[n // 2] = np.nan
-    known = {"theta_0": np.ones(len(q)), "prior_variance": 2.0}
+    prior = Prior(np.ones(len(q)), 2.0)
     mean, covariance, sigma2, value = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
     at = np.unique([0, n // 3, n - 1])
-    found = smooth(Phi, y, q, **known, at=at)
+    found = smooth(Phi, y, q, prior, at)
     np.testing.assert_allclose(found.theta, mean, rtol=1e-9, atol=1e-9)
     variance = np.diagonal(covariance, axis1=1, axis2=2)
     np.testing.assert_allclose(found.variance, variance, rtol=1e-8, atol=1e-12)
     np.testing.assert_allclose(found.covariance, covariance[at], rtol=1e-8, atol=1e-12)
     assert found.noise_variance == pytest.approx(sigma2, rel=1e-9)
-    assert log_likelihood(Phi, y, q, **known)[0] == pytest.approx(value, rel=1e-9, abs=1e-9)
+    assert log_likelihood(Phi, y, q, prior)[0] == pytest.approx(value, rel=1e-9, abs=1e-9)
     last, _, _, _ = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
     np.testing.assert_allclose(found.filtered[-1], last[-1], rtol=1e-9, atol=1e-9)
 
@@ -80,23 +80,23 @@ def test_a_random_walk_is_the_same_in_all_units_of_its_regressors():
 def test_the_gradient_of_the_likelihood_is_exact():
     q = np.array([1e-3, 0.02, 0.3])
     Phi, _, y = random_walk(7, 300, q)
-    known = {"theta_0": np.zeros(3), "prior_variance": 1.0}
-    _, gradient = log_likelihood(Phi, y, q, **known)
+    prior = Prior(np.zeros(3), 1.0)
+    _, gradient = log_likelihood(Phi, y, q, prior)
     for i in range(3):
         step = np.zeros(3)
         step[i] = 1e-4 * q[i]
-        ahead, behind = (log_likelihood(Phi, y, q + s * step, **known)[0] for s in (1, -1))
+        ahead, behind = (log_likelihood(Phi, y, q + s * step, prior)[0] for s in (1, -1))
         assert gradient[i] == pytest.approx((ahead - behind) / (2 * step[i]), rel=1e-5)
 
 
 def test_fitted_ratios_tell_the_walking_parameters_from_the_standing():
     q = np.array([0.0, 1e-5, 1e-3])
     Phi, theta, y = random_walk(8, 20_000, q)
-    known = {"theta_0": np.zeros(3), "prior_variance": 1.0}
-    found = fit_noise_ratio(Phi, y, **known)
+    prior = Prior(np.zeros(3), 1.0)
+    found = fit_noise_ratio(Phi, y, prior)
     assert found[0] < 0.1 * q[1]
     np.testing.assert_allclose(found[1:], q[1:], rtol=0.35)
-    smoothed = smooth(Phi, y, found, **known)
+    smoothed = smooth(Phi, y, found, prior)
     within = np.abs(smoothed.theta - theta)[:, 1:] < 1.96 * np.sqrt(smoothed.variance[:, 1:])
     assert within.mean() == pytest.approx(0.95, abs=0.03)
 
@@ -104,9 +104,9 @@ def test_fitted_ratios_tell_the_walking_parameters_from_the_standing():
 def test_thinning_keeps_the_ratio_per_sample():
     q = np.array([1e-4])
     Phi, _, y = random_walk(9, 50_000, q)
-    known = {"theta_0": np.zeros(1), "prior_variance": 1.0}
-    every = fit_noise_ratio(Phi, y, **known)
-    fifth = fit_noise_ratio(Phi, y, thinning=5, **known)
+    prior = Prior(np.zeros(1), 1.0)
+    every = fit_noise_ratio(Phi, y, prior)
+    fifth = fit_noise_ratio(Phi, y, prior, thinning=5)
     np.testing.assert_allclose([every[0], fifth[0]], q[0], rtol=0.4)
 
 
@@ -114,8 +114,8 @@ def test_thinning_keeps_the_ratio_per_sample():
 @pytest.mark.parametrize(("truth", "bound"), [(1.0, 1e-2), (1e-8, 1e-4)])
 def test_a_ratio_beyond_the_bounds_ends_at_the_nearer_one(truth, bound, thinning):
     Phi, _, y = random_walk(11, 3000, np.array([truth]))
-    known = {"theta_0": np.zeros(1), "prior_variance": 1.0}
-    found = fit_noise_ratio(Phi, y, thinning=thinning, lowest=1e-4, highest=1e-2, **known)
+    prior = Prior(np.zeros(1), 1.0)
+    found = fit_noise_ratio(Phi, y, prior, thinning=thinning, bounds=(1e-4, 1e-2))
     assert found[0] == pytest.approx(bound, rel=1e-9)
 
 
@@ -124,7 +124,7 @@ def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
     u = np.convolve(rng.standard_normal(90_050), np.ones(40) / 40, "valid")[:90_003]
     Phi = np.column_stack([u[k : k + 90_000] for k in range(4)])
     y = Phi @ np.ones(4) + 0.01 * rng.standard_normal(90_000)
-    found = smooth(Phi, y, np.full(4, 1e-6), theta_0=np.zeros(4), prior_variance=1e4)
+    found = smooth(Phi, y, np.full(4, 1e-6), Prior(np.zeros(4), 1e4))
     assert np.all(found.variance > 0.0)
     np.testing.assert_allclose(found.theta.sum(axis=1)[1000:], 4.0, atol=0.05)
 
@@ -134,32 +134,35 @@ def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
     [(-1e-9, 1.0), (1.0, -1e-9), (np.nan, 1.0), (np.inf, 1.0), (1.0, np.nan), (1.0, np.inf)],
 )
 def test_a_negative_or_unbounded_variance_is_refused(noise_ratio, prior_variance):
-    variances = {"noise_ratio": [noise_ratio], "prior_variance": prior_variance}
+    prior = Prior(np.zeros(1), prior_variance)
     with pytest.raises(InputError, match="a variance is negative"):
-        smooth(np.ones((3, 1)), np.ones(3), theta_0=np.zeros(1), **variances)
+        smooth(np.ones((3, 1)), np.ones(3), [noise_ratio], prior)
 
 
 @pytest.mark.parametrize("field", ["noise_ratio", "prior_variance"])
 def test_the_variance_that_is_refused_is_named(field):
     variances = {"noise_ratio": np.ones(1), "prior_variance": 1.0, field: np.full(1, -1.0)}
+    prior = Prior(np.zeros(1), variances["prior_variance"])
     with pytest.raises(InputError, match=f"^{field}: .*Give finite variances"):
-        smooth(np.ones((3, 1)), np.ones(3), theta_0=np.zeros(1), **variances)
+        smooth(np.ones((3, 1)), np.ones(3), variances["noise_ratio"], prior)
 
 
 def test_a_sample_that_is_asked_for_twice_has_the_same_covariance_twice():
     rng = np.random.default_rng(8)
     Phi, y = rng.standard_normal((50, 2)), rng.standard_normal(50)
-    asked = {"noise_ratio": np.full(2, 1e-2), "theta_0": np.zeros(2), "prior_variance": 1.0}
+    asked = np.full(2, 1e-2), Prior(np.zeros(2), 1.0)
     once, twice = (
-        smooth(Phi, y, **asked, at=np.array(at)).covariance for at in ([0, 7], [0, 0, 0, 7, 7])
+        smooth(Phi, y, *asked, np.array(at)).covariance for at in ([0, 7], [0, 0, 0, 7, 7])
     )
     np.testing.assert_array_equal(twice, once[[0, 0, 0, 1, 1]])
 
 
 def test_outputs_that_are_missing_in_step_with_the_thinning_leave_the_others():
     Phi, _, y = random_walk(9, 20_000, np.array([1e-4]))
-    known = {"theta_0": np.zeros(1), "prior_variance": 1.0, "thinning": 10}
+    prior = Prior(np.zeros(1), 1.0)
     gappy = y.copy()
     gappy[::10] = np.nan
-    shifted = fit_noise_ratio(Phi[1:], y[1:], **known)
-    np.testing.assert_array_equal(fit_noise_ratio(Phi, gappy, **known), shifted)
+    shifted, found = (
+        fit_noise_ratio(*each, prior, thinning=10) for each in ((Phi[1:], y[1:]), (Phi, gappy))
+    )
+    np.testing.assert_array_equal(found, shifted)

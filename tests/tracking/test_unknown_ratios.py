@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dea.tracking.kalman import HIGHEST_RATIO, smooth
+from dea.tracking.kalman import HIGHEST_RATIO, Prior, smooth
 from dea.tracking.random_walk import RandomWalk
 from dea.tracking.unknown_ratios import covariance_with_unknown_ratios, mean_common_ratio
 
@@ -34,8 +34,8 @@ def test_the_covariance_is_that_of_dense_algebra_over_a_fine_grid_of_ratios():
     theta = np.cumsum(0.2 * rng.standard_normal((n, 2)), axis=0) * [1.0, 0.0]
     y = np.sum(Phi * theta, axis=1) + rng.standard_normal(n)
     q = np.array([0.003, 1e-4])
-    given = {"theta_0": np.zeros(2), "prior_variance": 1.0}
-    found = smooth(Phi, y, q, at=at, **given)
+    prior = Prior(np.zeros(2), 1.0)
+    found = smooth(Phi, y, q, prior, at)
     expected = dense(Phi, y, q, 1.0)[2][at]
     np.testing.assert_allclose(found.covariance, expected, rtol=1e-8)
     fine = np.geomspace(1.0 / n**2, HIGHEST_RATIO, 100)
@@ -53,7 +53,7 @@ def test_the_covariance_is_that_of_dense_algebra_over_a_fine_grid_of_ratios():
         for w, (_, mean, covariance) in zip(weight, results, strict=True):
             moved = mean[at] - found.theta[at]
             extra += w * (covariance[at] - expected + np.einsum("ki,kj->kij", moved, moved))
-    wider = covariance_with_unknown_ratios(Phi, y, found, thinning=1, at=at, **given)
+    wider = covariance_with_unknown_ratios(Phi, y, found, prior, thinning=1, at=at)
     assert np.abs(extra).max() > 0.1 * np.abs(expected).max()
     np.testing.assert_allclose(wider - found.covariance, extra, atol=0.1 * np.abs(extra).max())
 
@@ -88,7 +88,7 @@ def test_the_mean_of_a_common_ratio_is_that_over_a_fine_grid(step):
     fine = np.geomspace(1.0 / n**2, HIGHEST_RATIO, 200)
     log_likelihood = np.array([dense(Phi, y, np.full(2, q), 1.0)[0] for q in fine])
     weight = np.exp(log_likelihood - log_likelihood.max()) * np.gradient(np.sqrt(fine))
-    found = mean_common_ratio(Phi, y, theta_0=np.zeros(2), prior_variance=1.0, thinning=1)
+    found = mean_common_ratio(Phi, y, Prior(np.zeros(2), 1.0), thinning=1)
     assert found == pytest.approx(weight @ fine / weight.sum(), rel=0.05)
 
 

@@ -1,7 +1,7 @@
 """Parameters that change with time: recursive least squares and Kalman smoothing."""
 
 from dea.tracking.free_runs import compare_free_runs, normalised_signals
-from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
+from dea.tracking.kalman import Prior, fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.random_walk import root_mean_square
 from dea.tracking.rls import RlsState, initial_state, recursive_least_squares, update
 from dea.tracking.setting_checks import check_settings
@@ -10,6 +10,7 @@ from dea.tracking.track import METHODS, track_parameters
 
 __all__ = [
     "METHODS",
+    "Prior",
     "RlsState",
     "check_settings",
     "compare_free_runs",

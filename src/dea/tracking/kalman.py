@@ -26,6 +26,16 @@ NOWHERE = np.empty(0, dtype=np.int64)
 LOWEST_RATIO, HIGHEST_RATIO = 1e-14, 1e-2  # bounds of the noise ratios
 
 
+class Prior(NamedTuple):
+    """What is known of p parameters before the first sample.
+
+    ``mean`` (p,), and ``variance`` (p,), or one for all, in units of sigma^2.
+    """
+
+    mean: Array
+    variance: Array | float
+
+
 class Smoothed(NamedTuple):
     """What the smoother finds in n samples of p regressors.
 
@@ -48,9 +58,7 @@ def smooth(
     Phi: Array,
     y: Array,
     noise_ratio: Array,
-    *,
-    theta_0: Array,
-    prior_variance: Array | float,
+    prior: Prior,
     at: NDArray[np.int64] = NOWHERE,
 ) -> Smoothed:
     """Estimate parameters that walk randomly, at every sample from the whole record.
@@ -61,13 +69,12 @@ def smooth(
         Regressors (n, p) and outputs (n,); a sample whose output is NaN is skipped.
     noise_ratio
         q, shape (p,): variance of a parameter's step over that of the noise.
-    theta_0, prior_variance
-        Mean (p,) and variance (p,) of the parameters before the first sample; the variance in
-        units of sigma^2.
+    prior
+        Of the parameters.
     at
         Samples, ascending, at which the whole covariance is kept.
     """
-    Phi, y, q, theta_0, P_0 = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
+    Phi, y, q, theta_0, P_0 = _arrays(Phi, y, noise_ratio, prior)
     passes = run_filter(Phi, y, q, theta_0, P_0, True)
     gain, innovation, S, predicted, covariances = passes
     _, sigma2 = _concentrated(innovation, S)
@@ -80,24 +87,20 @@ def smooth(
     return Smoothed(theta, sigma2 * variance, sigma2 * covariance, filtered, innovation, q, sigma2)
 
 
-def log_likelihood(
-    Phi: Array, y: Array, noise_ratio: Array, *, theta_0: Array, prior_variance: Array | float
-) -> tuple[float, Array]:
+def log_likelihood(Phi: Array, y: Array, noise_ratio: Array, prior: Prior) -> tuple[float, Array]:
     """Return the log-likelihood of q, sigma^2 concentrated out, and its gradient (p,) by q.
 
     Parameters are those of :func:`smooth`; constants that do not depend on q are left out.
     """
-    arrays = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
+    arrays = _arrays(Phi, y, noise_ratio, prior)
     gain, innovation, S, _, _ = run_filter(*arrays, False)
     value, sigma2 = _concentrated(innovation, S)
     return value, score(arrays[0], gain, innovation, S, sigma2)
 
 
-def likelihood(
-    Phi: Array, y: Array, noise_ratio: Array, *, theta_0: Array, prior_variance: Array | float
-) -> float:
+def likelihood(Phi: Array, y: Array, noise_ratio: Array, prior: Prior) -> float:
     """Return the value of :func:`log_likelihood` without its gradient, a second pass."""
-    arrays = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
+    arrays = _arrays(Phi, y, noise_ratio, prior)
     _, innovation, S, _, _ = run_filter(*arrays, False)
     return _concentrated(innovation, S)[0]
 
@@ -105,17 +108,16 @@ def likelihood(
 def fit_noise_ratio(
     Phi: Array,
     y: Array,
+    prior: Prior,
     *,
-    theta_0: Array,
-    prior_variance: Array | float,
     thinning: int = 1,
-    lowest: float = LOWEST_RATIO,
-    highest: float = HIGHEST_RATIO,
+    bounds: tuple[float, float] = (LOWEST_RATIO, HIGHEST_RATIO),
 ) -> Array:
     """Return the noise ratios of largest likelihood, shape (p,).
 
     The best common ratio is found first; from it, log q is refined for each parameter with the
-    exact gradient. A ratio that ends at ``lowest`` is practically that of a constant parameter.
+    exact gradient. A ratio that ends at the lower bound is practically that of a constant
+    parameter.
 
     Parameters
     ----------
@@ -123,37 +125,28 @@ def fit_noise_ratio(
         Only every ``thinning``-th sample enters. The errors of neighbouring samples are correlated,
         since noise and unmodelled effects pass through the same dynamics; the likelihood assumes
         independence and would explain the correlation by moving parameters.
-    lowest, highest
-        Bounds of the ratios.
+    bounds
+        Of the ratios.
 
     Other parameters are those of :func:`smooth`.
     """
     from scipy.optimize import minimize
 
-    common = _common_ratio(
-        Phi,
-        y,
-        theta_0=theta_0,
-        prior_variance=prior_variance,
-        thinning=thinning,
-        lowest=lowest,
-        highest=highest,
-    )
+    common = _common_ratio(Phi, y, prior, thinning, bounds)
     # A parameter takes `thinning` steps between the samples that are used.
     Phi, y = thinned(Phi, y, thinning)
     p, count = Phi.shape[1], y.size
 
     def cost(log_q: Array) -> tuple[float, Array]:
         q = np.exp(log_q)
-        value, gradient = log_likelihood(Phi, y, q, theta_0=theta_0, prior_variance=prior_variance)
+        value, gradient = log_likelihood(Phi, y, q, prior)
         return -value / count, -gradient * q / count
 
-    bounds = (np.log(thinning * lowest), np.log(thinning * highest))
     found = minimize(
         cost,
         np.full(p, np.log(common * thinning)),
         jac=True,
-        bounds=[bounds] * p,
+        bounds=[_log_bounds(bounds, thinning)] * p,
         method="L-BFGS-B",
         options={"maxiter": 30, "ftol": 1e-7},
     )
@@ -169,14 +162,7 @@ def thinned(Phi: Array, y: Array, thinning: int) -> tuple[Array, Array]:
 
 
 def _common_ratio(
-    Phi: Array,
-    y: Array,
-    *,
-    theta_0: Array,
-    prior_variance: Array | float,
-    thinning: int,
-    lowest: float,
-    highest: float,
+    Phi: Array, y: Array, prior: Prior, thinning: int, bounds: tuple[float, float]
 ) -> float:
     """Return the one noise ratio of all parameters that has the largest likelihood.
 
@@ -188,12 +174,18 @@ def _common_ratio(
 
     def cost(log_q: float) -> float:
         q = np.full(Phi.shape[1], np.exp(log_q))
-        value = likelihood(Phi, y, q, theta_0=theta_0, prior_variance=prior_variance)
-        return -value / y.size
+        return -likelihood(Phi, y, q, prior) / y.size
 
-    bounds = (np.log(thinning * lowest), np.log(thinning * highest))
-    found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 0.3})
+    found = minimize_scalar(
+        cost, bounds=_log_bounds(bounds, thinning), method="bounded", options={"xatol": 0.3}
+    )
     return float(np.exp(found.x)) / thinning
+
+
+def _log_bounds(bounds: tuple[float, float], thinning: int) -> tuple[float, float]:
+    """Return the logarithms of the bounds of ratios between the samples that are used."""
+    lowest, highest = bounds
+    return np.log(thinning * lowest), np.log(thinning * highest)
 
 
 def _concentrated(innovation: Array, S: Array) -> tuple[float, float]:
@@ -204,17 +196,17 @@ def _concentrated(innovation: Array, S: Array) -> tuple[float, float]:
 
 
 def _arrays(
-    Phi: Array, y: Array, noise_ratio: Array, theta_0: Array, prior_variance: Array | float
+    Phi: Array, y: Array, noise_ratio: Array, prior: Prior
 ) -> tuple[Array, Array, Array, Array, Array]:
     Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
     p = Phi.shape[1]
     q = np.array(np.broadcast_to(noise_ratio, p), dtype=float)
-    prior = np.array(np.broadcast_to(prior_variance, p), dtype=float)
-    for field, variances in (("noise_ratio", q), ("prior_variance", prior)):
+    P_0 = np.array(np.broadcast_to(prior.variance, p), dtype=float)
+    for field, variances in (("noise_ratio", q), ("prior_variance", P_0)):
         if not np.all(np.isfinite(variances) & (variances >= 0.0)):
             raise InputError(
                 "a variance is negative or not finite",
                 field=field,
                 remedy="Give finite variances from 0 on",
             )
-    return Phi, y, q, np.array(theta_0, dtype=float), np.diag(prior)
+    return Phi, y, q, np.array(prior.mean, dtype=float), np.diag(P_0)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.arrays import Array
-from dea.tracking.kalman import NOWHERE, Smoothed, fit_noise_ratio, smooth
+from dea.tracking.kalman import NOWHERE, Prior, Smoothed, fit_noise_ratio, smooth
 from dea.tracking.unknown_ratios import covariance_with_unknown_ratios
 
 
@@ -38,17 +38,11 @@ class RandomWalk:
         """
         scale = root_mean_square(Phi)
         Phi = Phi / scale
-        theta_0 = theta_0 * scale
+        prior = Prior(theta_0 * scale, self.prior_variance)
         q = self.noise_ratio
         if q is None:
-            q = fit_noise_ratio(
-                Phi,
-                y,
-                theta_0=theta_0,
-                prior_variance=self.prior_variance,
-                thinning=self.thinning,
-            )
-        found = smooth(Phi, y, q, theta_0=theta_0, prior_variance=self.prior_variance, at=at)
+            q = fit_noise_ratio(Phi, y, prior, thinning=self.thinning)
+        found = smooth(Phi, y, q, prior, at)
         return found._replace(
             theta=found.theta / scale,
             filtered=found.filtered / scale,
@@ -68,14 +62,9 @@ class RandomWalk:
         scale = root_mean_square(Phi)
         both = np.outer(scale, scale)
         scaled = found._replace(theta=found.theta * scale, covariance=found.covariance * both)
+        prior = Prior(theta_0 * scale, self.prior_variance)
         covariance = covariance_with_unknown_ratios(
-            Phi / scale,
-            y,
-            scaled,
-            theta_0=theta_0 * scale,
-            prior_variance=self.prior_variance,
-            thinning=self.thinning,
-            at=at,
+            Phi / scale, y, scaled, prior, thinning=self.thinning, at=at
         )
         return covariance / both
 

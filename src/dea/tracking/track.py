@@ -29,7 +29,7 @@ from dea.tracking.bands import (
     reason_to_withhold,
 )
 from dea.tracking.free_runs import NormalisedSignals, normalised_signals
-from dea.tracking.kalman import Smoothed
+from dea.tracking.kalman import Prior, Smoothed
 from dea.tracking.local import (
     SEPARATE,
     curvature_of_windows,
@@ -177,7 +177,7 @@ def _recursive(
     found = recursive_least_squares(Phi, target, theta_0=centre, **settings)
     known = model.covariance is not None
     own = np.zeros((scale.size, scale.size)) if model.covariance is None else model.covariance
-    ratio = mean_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
+    ratio = mean_common_ratio(Phi, target, Prior(centre, 1.0), thinning=_THINNING)
     covariance = recursion_covariance(
         Phi,
         found,

@@ -11,13 +11,11 @@ over its posterior, the others at their estimates (J. D. Hamilton, J. Econometri
 standard deviation of a step has a uniform prior (A. Gelman, Bayesian Analysis 1, 2006).
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from dea.arrays import Array
-from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, likelihood, smooth, thinned
+from dea.tracking.kalman import HIGHEST_RATIO, Prior, Smoothed, likelihood, smooth, thinned
 
 _NODES = 12  # ratios of a parameter that its posterior is taken over
 _COMMON_NODES = 48  # those of a common one, which costs no smoothing
@@ -28,9 +26,8 @@ def covariance_with_unknown_ratios(
     Phi: Array,
     y: Array,
     found: Smoothed,
+    prior: Prior,
     *,
-    theta_0: Array,
-    prior_variance: float,
     thinning: int,
     at: NDArray[np.int64],
 ) -> Array:
@@ -42,33 +39,29 @@ def covariance_with_unknown_ratios(
         Regressors (n, p), of a root mean square of one, and outputs (n,), NaN where missing.
     found
         The estimate with the ratios of largest likelihood, its covariance at ``at``.
-    theta_0, prior_variance, thinning
+    prior, thinning
         As in :func:`dea.tracking.kalman.smooth` and :func:`dea.tracking.kalman.fit_noise_ratio`.
     """
-    prior: dict[str, Any] = {"theta_0": theta_0, "prior_variance": prior_variance}
     nodes, prior_mass = _nodes(y.size, _NODES)
     few = thinned(Phi, y, thinning)
     covariance: Array = found.covariance.copy()
     for ratios in _varied(found.noise_ratio, nodes):
         weight = _posterior(few, thinning * ratios, prior_mass, prior)
         for k in np.flatnonzero(weight > _LEAST):
-            other = smooth(Phi, y, ratios[k], at=at, **prior)
+            other = smooth(Phi, y, ratios[k], prior, at)
             moved = (other.theta - found.theta)[at]
             spread = moved[:, :, None] * moved[:, None, :]
             covariance += weight[k] * (other.covariance - found.covariance + spread)
     return covariance
 
 
-def mean_common_ratio(
-    Phi: Array, y: Array, *, theta_0: Array, prior_variance: float, thinning: int
-) -> float:
+def mean_common_ratio(Phi: Array, y: Array, prior: Prior, *, thinning: int) -> float:
     """Return the mean of the one noise ratio of all parameters over its posterior.
 
     Parameters are those of :func:`covariance_with_unknown_ratios`.
     """
     nodes, prior_mass = _nodes(y.size, _COMMON_NODES)
     ratios = np.tile(nodes[:, None], Phi.shape[1])
-    prior = {"theta_0": theta_0, "prior_variance": prior_variance}
     weight = _posterior(thinned(Phi, y, thinning), thinning * ratios, prior_mass, prior)
     return float(weight @ nodes)
 
@@ -83,10 +76,10 @@ def _nodes(samples: int, count: int) -> tuple[Array, Array]:
 
 
 def _posterior(
-    equations: tuple[Array, Array], ratios: Array, prior_mass: Array, prior: dict[str, Any]
+    equations: tuple[Array, Array], ratios: Array, prior_mass: Array, prior: Prior
 ) -> Array:
     """Return the share of the posterior of each row of ``ratios`` (nodes, p)."""
-    log_weight = np.array([likelihood(*equations, q, **prior) for q in ratios])
+    log_weight = np.array([likelihood(*equations, q, prior) for q in ratios])
     weight = np.exp(log_weight - log_weight.max()) * prior_mass
     share: Array = weight / weight.sum()
     return share
