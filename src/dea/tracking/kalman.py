@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.errors import InputError
-from dea.tracking.kalman_passes import run_filter, run_smoother, score
+from dea.tracking.kalman_passes import Filtered, run_filter, run_smoother, score
 
 NOWHERE = np.empty(0, dtype=np.int64)
 LOWEST_RATIO, HIGHEST_RATIO = 1e-14, 1e-2  # bounds of the noise ratios
@@ -75,15 +75,15 @@ def smooth(
         Samples, ascending, at which the whole covariance is kept.
     """
     Phi, y, q, theta_0, P_0 = _arrays(Phi, y, noise_ratio, prior)
-    passes = run_filter(Phi, y, q, theta_0, P_0, True)
-    gain, innovation, S, predicted, covariances = passes
-    _, sigma2 = _concentrated(innovation, S)
+    forward = run_filter(Phi, y, q, theta_0, P_0, True)
+    innovation = forward.innovation
+    _, sigma2 = _concentrated(forward)
     instants = np.asarray(at, dtype=np.int64)
-    theta, variance, N = run_smoother(Phi, *passes, instants)
-    P = covariances[instants]
+    theta, variance, N = run_smoother(Phi, forward, instants)
+    P = forward.P[instants]
     smoothed = P - P @ N @ P
     covariance = 0.5 * (smoothed + smoothed.transpose(0, 2, 1))
-    filtered = predicted + gain * np.nan_to_num(innovation)[:, None]
+    filtered = forward.theta + forward.gain * np.nan_to_num(innovation)[:, None]
     return Smoothed(theta, sigma2 * variance, sigma2 * covariance, filtered, innovation, q, sigma2)
 
 
@@ -93,16 +93,14 @@ def log_likelihood(Phi: Array, y: Array, noise_ratio: Array, prior: Prior) -> tu
     Parameters are those of :func:`smooth`; constants that do not depend on q are left out.
     """
     arrays = _arrays(Phi, y, noise_ratio, prior)
-    gain, innovation, S, _, _ = run_filter(*arrays, False)
-    value, sigma2 = _concentrated(innovation, S)
-    return value, score(arrays[0], gain, innovation, S, sigma2)
+    forward = run_filter(*arrays, False)
+    value, sigma2 = _concentrated(forward)
+    return value, score(arrays[0], forward, sigma2)
 
 
 def likelihood(Phi: Array, y: Array, noise_ratio: Array, prior: Prior) -> float:
     """Return the value of :func:`log_likelihood` without its gradient, a second pass."""
-    arrays = _arrays(Phi, y, noise_ratio, prior)
-    _, innovation, S, _, _ = run_filter(*arrays, False)
-    return _concentrated(innovation, S)[0]
+    return _concentrated(run_filter(*_arrays(Phi, y, noise_ratio, prior), False))[0]
 
 
 def fit_noise_ratio(
@@ -188,8 +186,9 @@ def _log_bounds(bounds: tuple[float, float], thinning: int) -> tuple[float, floa
     return np.log(thinning * lowest), np.log(thinning * highest)
 
 
-def _concentrated(innovation: Array, S: Array) -> tuple[float, float]:
+def _concentrated(forward: Filtered) -> tuple[float, float]:
     """Return the log-likelihood with sigma^2 at its best value, and that value."""
+    innovation, S = forward.innovation, forward.variance
     seen = np.isfinite(innovation)
     sigma2 = float(np.mean(innovation[seen] ** 2 / S[seen]))
     return float(-0.5 * (seen.sum() * np.log(sigma2) + np.log(S[seen]).sum())), sigma2

@@ -3,11 +3,38 @@
 Covariances are in units of the noise variance. A sample whose output is NaN is passed over.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from dea.arrays import Array
+
+
+class Filtered(NamedTuple):
+    """What the filter finds in n samples of p regressors.
+
+    ``gain`` (n, p), ``innovation`` and its ``variance`` (n,), and the predicted means ``theta``
+    (n, p) and covariances ``P`` (n, p, p), which are empty where they were not kept.
+    """
+
+    gain: Array
+    innovation: Array
+    variance: Array
+    theta: Array
+    P: Array
+
+
+class Adjoint(NamedTuple):
+    """What the samples from one on tell of the parameters: r (p,) and N (p, p).
+
+    ``product`` (p,) is room for that of N and a gain.
+    """
+
+    r: Array
+    N: Array
+    product: Array
 
 
 @njit(cache=True)
@@ -39,17 +66,11 @@ def _step(phi: Array, y: float, theta: Array, P: Array, K: Array) -> tuple[float
 
 
 @njit(cache=True)
-def run_filter(
-    Phi: Array, y: Array, q: Array, theta_0: Array, P_0: Array, keep: bool
-) -> tuple[Array, Array, Array, Array, Array]:
+def run_filter(Phi: Array, y: Array, q: Array, theta_0: Array, P_0: Array, keep: bool) -> Filtered:
     """Run the filter forward from the mean (p,) and covariance (p, p) before the first sample.
 
-    Returns
-    -------
-    tuple
-        Gains (n, p), innovations (n,) and their variances (n,), and with ``keep`` the predicted
-        means (n, p) and covariances (n, p, p), which are empty otherwise: a likelihood does not
-        need them, and they are large.
+    Without ``keep`` the predictions are not kept: a likelihood does not need them, and they are
+    large.
     """
     n, p = Phi.shape
     rows = n if keep else 0
@@ -65,19 +86,24 @@ def run_filter(
                 for k in range(p):
                     covariance[t, i, k] = P[i, k]
         innovation[t], S[t] = _step(Phi[t], y[t], theta, P, gain[t])
-    return gain, innovation, S, predicted, covariance
+    return Filtered(gain, innovation, S, predicted, covariance)
 
 
 @njit(cache=True)
-def _adjoint_step(
-    phi: Array, K: Array, innovation: float, S: float, r: Array, N: Array, NK: Array
-) -> None:
+def _none_yet(p: int) -> Adjoint:
+    """Return the adjoint after the last sample."""
+    return Adjoint(np.zeros(p), np.zeros((p, p)), np.empty(p))
+
+
+@njit(cache=True)
+def _adjoint_step(phi: Array, K: Array, innovation: float, S: float, adjoint: Adjoint) -> None:
     """Take r_t, N_t to r_{t-1}, N_{t-1}: r = phi v/S + L^T r, N = phi phi^T/S + L^T N L.
 
     L = I - K phi^T; K is zero and nothing changes where the output is missing.
     """
     if np.isnan(innovation):
         return
+    r, N, NK = adjoint
     p = phi.size
     Kr, KNK = 0.0, 0.0
     for i in range(p):
@@ -96,13 +122,7 @@ def _adjoint_step(
 
 @njit(cache=True)
 def run_smoother(
-    Phi: Array,
-    gain: Array,
-    innovation: Array,
-    S: Array,
-    predicted: Array,
-    P: Array,
-    at: NDArray[np.int64],
+    Phi: Array, filtered: Filtered, at: NDArray[np.int64]
 ) -> tuple[Array, Array, Array]:
     """theta_{t|N} = theta_{t|t-1} + P r and P_{t|N} = P - P N P, P = P_{t|t-1}.
 
@@ -113,12 +133,14 @@ def run_smoother(
         for the whole covariances there. Products of matrices take seconds to compile.
     """
     n, p = Phi.shape
+    gain, innovation, S, predicted, P = filtered
     theta, variance = np.empty((n, p)), np.empty((n, p))
-    adjoint = np.empty((at.size, p, p))
-    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
+    kept = np.empty((at.size, p, p))
+    adjoint = _none_yet(p)
+    r, N, _ = adjoint
     wanted = at.size - 1
     for t in range(n - 1, -1, -1):
-        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
+        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], adjoint)
         for i in range(p):
             shift, fall = 0.0, 0.0
             for k in range(p):
@@ -133,19 +155,20 @@ def run_smoother(
         while wanted >= 0 and at[wanted] == t:
             for i in range(p):
                 for k in range(p):
-                    adjoint[wanted, i, k] = N[i, k]
+                    kept[wanted, i, k] = N[i, k]
             wanted -= 1
-    return theta, variance, adjoint
+    return theta, variance, kept
 
 
 @njit(cache=True)
-def score(Phi: Array, gain: Array, innovation: Array, S: Array, sigma2: float) -> Array:
+def score(Phi: Array, filtered: Filtered, sigma2: float) -> Array:
     """d log L/dq_i = 1/2 sum_t (r_{t-1,i}^2/sigma^2 - N_{t-1,ii})."""
     n, p = Phi.shape
-    total = np.zeros(p)
-    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
+    gain, innovation, S, _, _ = filtered
+    total, adjoint = np.zeros(p), _none_yet(p)
+    r, N, _ = adjoint
     for t in range(n - 1, -1, -1):
-        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
+        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], adjoint)
         for i in range(p):
             total[i] += 0.5 * (r[i] * r[i] / sigma2 - N[i, i])
     return total
