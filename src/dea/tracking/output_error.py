@@ -108,20 +108,21 @@ def smooth_simulation(
         best, run = found._replace(theta=moved), moved_run
         if error > (1.0 - _SMALLEST_FALL) * before:
             break
-    return _smooth_whitened(model, best, u, y, walk, at, best is not start)
+    smoothed, settled = _smooth_whitened(model, best, u, y, walk, at)
+    return Tracked(smoothed, smoothed is not start, settled)
 
 
 def _smooth_whitened(
-    model: NarxModel,
-    start: Smoothed,
-    u: Array,
-    y: Array,
-    walk: RandomWalk,
-    at: NDArray[np.int64],
-    moved: bool,
-) -> Tracked:
-    """Smooth around ``start`` with the noise that its free run leaves made white."""
-    best, settled, lag = start, False, model.max_lag
+    model: NarxModel, start: Smoothed, u: Array, y: Array, walk: RandomWalk, at: NDArray[np.int64]
+) -> tuple[Smoothed, bool]:
+    """Smooth around ``start`` with the noise that its free run leaves made white.
+
+    Returns
+    -------
+    tuple
+        ``start`` itself where nothing was found that fits nearly as well, and whether it settled.
+    """
+    best, lag = start, model.max_lag
     run, error = free_run(model, best.theta, u, y)
     largest, given = _LARGEST_RISE * error, walk
     for iteration in range(_WHITENINGS):
@@ -141,11 +142,9 @@ def _smooth_whitened(
         if iteration == _NOISE_FITS - 1 and walk.noise_ratio is None:
             walk = replace(walk, noise_ratio=found.noise_ratio)
         elif iteration >= _NOISE_FITS and close:
-            settled = True
             covariance = given.covariance(psi, z, model.parameters, found, at)
-            best = found._replace(covariance=covariance)
-            break
-    return Tracked(best, moved or best is not start, settled)
+            return found._replace(covariance=covariance), True
+    return best, False
 
 
 def _linearised(
