@@ -135,9 +135,7 @@ def test_the_covariance_is_that_of_a_linear_map_of_noise_and_target(forgetting):
     of_target = root @ root.T
     found = recursive_least_squares(Phi, y, theta_0=target, **options)
     at = np.array([4, 60, 60, 119])
-    covariance = recursion_covariance(
-        Phi, found, at, target_covariance=of_target, walk=np.zeros(3), **options
-    )
+    covariance = recursion_covariance(Phi, found, at, target_covariance=of_target, walk=np.zeros(3))
     for n, each in zip(at + 1, covariance, strict=True):
 
         def solved(outputs, pulled, n=n):
@@ -163,9 +161,8 @@ def test_parameters_that_walk_are_as_far_off_as_the_covariance_says():
     Phi, options = np.ones((n, 1)), {"forgetting": forgetting, "leakage": 0.0, "delta": 1e-9}
     found = recursive_least_squares(Phi, np.zeros(n), **options)
     covariance = recursion_covariance(
-        Phi, found, np.array([n - 1]), target_covariance=np.zeros((1, 1)),
-        walk=np.array([0.01]), **options,
-    )  # fmt: skip
+        Phi, found, np.array([n - 1]), target_covariance=np.zeros((1, 1)), walk=np.array([0.01])
+    )
     assert covariance.item() == pytest.approx(np.var(truth @ weight - truth[:, -1]), rel=0.1)
 
 
@@ -182,7 +179,7 @@ def test_parameters_that_walk_beside_others_are_off_by_all_of_their_steps(forget
     options = {"forgetting": forgetting, "leakage": 0.0, "delta": 1e-9}
     found = recursive_least_squares(Phi, np.zeros(n), **options)
     covariance = recursion_covariance(
-        Phi, found, np.array([n - 1]), target_covariance=np.zeros((3, 3)), walk=walk, **options
+        Phi, found, np.array([n - 1]), target_covariance=np.zeros((3, 3)), walk=walk
     )
     root, expected = np.sqrt(forgetting ** np.arange(n - 1, -1, -1.0)), np.zeros((3, 3))
     for step in range(1, n):

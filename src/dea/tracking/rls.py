@@ -18,8 +18,16 @@ from dea.arrays import Array
 from dea.tracking.setting_checks import check_settings
 
 
+class RlsSettings(NamedTuple):
+    """lambda, alpha and 1/P_0 of :func:`recursive_least_squares`."""
+
+    forgetting: float
+    leakage: float
+    delta: float
+
+
 class RlsTrack(NamedTuple):
-    """What recursive least squares finds in n samples of p regressors.
+    """What recursive least squares finds in n samples of p regressors, with these ``settings``.
 
     ``theta`` (n, p) are the estimates after each sample, ``variance`` (n, p) their variances,
     ``innovation`` (n,) the prediction errors before each update, and ``P`` (p, p) is P_n of (16)
@@ -30,6 +38,7 @@ class RlsTrack(NamedTuple):
     variance: Array
     innovation: Array
     P: Array
+    settings: RlsSettings
 
 
 class RlsState(NamedTuple):
@@ -101,7 +110,8 @@ def recursive_least_squares(
     target = theta_0 if target is None else np.asarray(target, dtype=float)
     state = initial_state(theta_0, target, delta)
     found = _recursion(state, Phi, y, forgetting, leakage, target.copy())
-    return RlsTrack(*found, state.V.T @ state.V)
+    settings = RlsSettings(forgetting, leakage, delta)
+    return RlsTrack(*found, state.V.T @ state.V, settings)
 
 
 def recursion_covariance(
@@ -109,9 +119,6 @@ def recursion_covariance(
     found: RlsTrack,
     at: NDArray[np.int64],
     *,
-    forgetting: float,
-    leakage: float,
-    delta: float,
     target_covariance: Array,
     walk: Array,
 ) -> Array:
@@ -128,13 +135,14 @@ def recursion_covariance(
 
     Parameters
     ----------
-    Phi, forgetting, leakage, delta
+    Phi
         As given to :func:`recursive_least_squares`, whose result is ``found``.
     target_covariance
         C_0, shape (p, p).
     walk
         Variances of the steps of each parameter in one sample, shape (p,).
     """
+    forgetting, leakage, delta = found.settings
     information, squares, behind = _weighted_squares(Phi, forgetting, walk, at)
     covariance = np.empty_like(information)
     for i, n in enumerate(at):

@@ -184,7 +184,6 @@ def _recursive(
         at,
         target_covariance=own * np.outer(scale, scale),
         walk=np.full(scale.size, ratio * np.var(found.innovation[there])),
-        **settings,
     )
     withheld = reason_to_withhold(found.innovation, Phi, target)
     if settings["leakage"] and not known:
