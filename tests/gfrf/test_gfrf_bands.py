@@ -11,7 +11,7 @@ from dea.gfrf import (
     zero_input_interval,
     zero_input_response,
 )
-from dea.gfrf.response import response_and_slope
+from dea.gfrf.response import response_and_slope, rests, tones_of
 from dea.narx import NarxModel, Scaling
 from published_plants import published_plants
 
@@ -32,7 +32,8 @@ def ways(values):
 @pytest.mark.parametrize("model", [*PLANTS.values(), SCALED], ids=[*PLANTS, "scaled"])
 def test_the_slope_of_a_response_is_its_finite_difference(model, order):
     options = {"operating_point": 0.3 * model.scaling.u_scale + model.scaling.u_offset}
-    response, slope = response_and_slope(model, order, ways(F)[order], RATE, **options)
+    tones = tones_of(model, order, ways(F)[order], RATE)
+    response, slope = response_and_slope(model, tones, rests(model, **options))
     expected = frequency_response(model, order, ways(F)[order], RATE, **options)
     np.testing.assert_allclose(response, expected, rtol=1e-14)
     for j in range(len(model.terms)):
@@ -128,6 +129,7 @@ def test_a_withheld_band_is_missing_and_a_wrong_covariance_refused():
 
 def test_a_linear_model_has_no_second_response_and_no_slope():
     linear = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0})
-    response, slope = response_and_slope(linear, 2, ways(F)[2], RATE)
+    tones = tones_of(linear, 2, ways(F)[2], RATE)
+    response, slope = response_and_slope(linear, tones, rests(linear))
     assert not response.any()
     assert not slope.any()

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.operating_point import rest_slope
-from dea.gfrf.response import Inputs, response_and_slope, rests
-from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile, rate_of
+from dea.gfrf.response import Inputs, response_and_slope, rests, tones_of
+from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile
 
 
 class ResponseBand(NamedTuple):
@@ -97,16 +97,9 @@ def frequency_response_band(
         without theirs.
     """
     spread = _covariance(model, parameters, covariance)
-    response, slope = response_and_slope(
-        model,
-        order,
-        frequencies,
-        rate_of(model.labels, sampling_rate),
-        inputs=inputs,
-        parameters=parameters,
-        operating_point=operating_point,
-        allow_missing=allow_missing,
-    )
+    tones = tones_of(model, order, frequencies, sampling_rate, inputs)
+    points = rests(model, parameters, operating_point, allow_missing)
+    response, slope = response_and_slope(model, tones, points)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = slope / response  # derivative of log gain + j phase
     reach = quantile(level)

@@ -43,7 +43,7 @@ def linear_part(
     InputError
         If the model does not come to rest at the operating point.
     """
-    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing=False)
+    theta, y0, u0, sets = rests(model, parameters, operating_point)
     count = theta.shape[1]
     each = np.broadcast_to(np.eye(count)[:, None, :], (count, y0.size, count))
     expanded = expand(

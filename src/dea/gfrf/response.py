@@ -20,6 +20,34 @@ Number = int | np.integer[Any]
 Inputs = str | Number | Sequence[str | Number] | None
 
 
+class Tones(NamedTuple):
+    """The tones that a response is to: n frequencies, and the column of the input that each is of.
+
+    ``omega`` are in rad per sample and broadcast.
+    """
+
+    omega: Sequence[Array]
+    columns: Sequence[int]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """That of the response."""
+        return np.broadcast_shapes(*(w.shape for w in self.omega))
+
+
+class OperatingPoints(NamedTuple):
+    """Where a model with several sets of parameters comes to rest, normalised.
+
+    ``theta`` (sets, terms) are the parameters, ``y0`` (sets,) the outputs at rest and ``u0``
+    (inputs,) the constant inputs. The sets were given in the shape ``sets``.
+    """
+
+    theta: Array
+    y0: Array
+    u0: Array
+    sets: tuple[int, ...]
+
+
 def frequency_response(
     model: NarxModel,
     order: int = 1,
@@ -72,26 +100,28 @@ def frequency_response(
         broadcast, if the inputs are not n of the model's, or if the model does not come to rest at
         the operating point.
     """
-    omega = _radians(order, frequencies, rate_of(model.labels, sampling_rate))
-    columns = input_columns(model, order, inputs)
+    tones = tones_of(model, order, frequencies, sampling_rate, inputs)
     theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
-    shape = np.broadcast_shapes(*(w.shape for w in omega))
     settled = ~np.isnan(y0)
-    response = np.full((y0.size, *shape), np.nan, dtype=complex)
-    response[settled] = _probed(model, omega, columns, theta[settled], y0[settled], u0)
-    return response.reshape((*sets, *shape))
+    response = np.full((y0.size, *tones.shape), np.nan, dtype=complex)
+    response[settled] = _probed(model, tones, theta[settled], y0[settled], u0)
+    return response.reshape((*sets, *tones.shape))
 
 
-def response_and_slope(
+def tones_of(
     model: NarxModel,
     order: int,
     frequencies: ArrayLike | Sequence[ArrayLike],
-    sampling_rate: float,
-    *,
+    sampling_rate: float | None,
     inputs: Inputs = None,
-    parameters: ArrayLike | None = None,
-    operating_point: ArrayLike | None = None,
-    allow_missing: bool = False,
+) -> Tones:
+    """Return the tones of a response; parameters and errors are of :func:`frequency_response`."""
+    omega = _radians(order, frequencies, rate_of(model.labels, sampling_rate))
+    return Tones(omega, _columns(model, order, inputs))
+
+
+def response_and_slope(
+    model: NarxModel, tones: Tones, points: OperatingPoints
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Return :func:`frequency_response` and its derivative by the model's parameters.
 
@@ -102,17 +132,14 @@ def response_and_slope(
     response, slope
         Shapes (..., *frequencies) and (terms, ..., *frequencies).
     """
-    omega = _radians(order, frequencies, sampling_rate)
-    columns = input_columns(model, order, inputs)
-    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
-    shape = np.broadcast_shapes(*(w.shape for w in omega))
+    theta, y0, u0, sets = points
+    shape = tones.shape
     settled = ~np.isnan(y0)
     count = len(model.terms)
     each = np.broadcast_to(np.eye(count)[:, None, :], (count, int(settled.sum()), count))
     found = _probed(
         model,
-        omega,
-        columns,
+        tones,
         Differentiable(theta[settled], each),
         Differentiable(y0[settled], rest_slope(model.terms, theta[settled], y0[settled], u0)),
         u0,
@@ -126,25 +153,17 @@ def response_and_slope(
     return response.reshape((*sets, *shape)), slope.reshape((count, *sets, *shape))
 
 
-def _probed(
-    model: NarxModel,
-    omega: Sequence[Array],
-    columns: Sequence[int],
-    theta: Any,
-    y0: Any,
-    u0: Array,
-) -> Any:
+def _probed(model: NarxModel, tones: Tones, theta: Any, y0: Any, u0: Array) -> Any:
     """Return the response, in physical units, of each set of parameters around its rest.
 
     ``theta`` (sets, terms), ``y0`` (sets,) and the result are all arrays or all differentiable.
     """
-    shape = np.broadcast_shapes(*(w.shape for w in omega))
-    across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
+    across = (slice(None), *[None] * len(tones.shape))  # parameter sets lead, frequencies follow
     expanded = expand(model.terms, theta, y0, u0)
     per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
     scales = np.broadcast_to(model.scaling.u_scale, model.inputs).tolist()
-    scale = static_value(Counter(columns), scales)
-    return probe(per_set, omega, columns) * (model.scaling.y_scale / scale)
+    scale = static_value(Counter(tones.columns), scales)
+    return probe(per_set, *tones) * (model.scaling.y_scale / scale)
 
 
 def zero_input_response(
@@ -237,14 +256,8 @@ def _parameter_sets(
     return theta.reshape(-1, len(model.terms)), theta.shape[:-1]
 
 
-def input_columns(model: NarxModel, order: int, inputs: Inputs) -> tuple[int, ...]:
-    """Return the column of the input that each of ``order`` frequencies is of.
-
-    Raises
-    ------
-    InputError
-        If the model has several inputs and they are not named, or another is.
-    """
+def _columns(model: NarxModel, order: int, inputs: Inputs) -> tuple[int, ...]:
+    """Return the column of the input that each of ``order`` frequencies is of."""
     if inputs is None and model.inputs == 1:
         return (0,) * order
     names = model.labels.inputs
@@ -301,24 +314,11 @@ def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Ar
     return (given - model.scaling.u_offset) / model.scaling.u_scale
 
 
-class OperatingPoints(NamedTuple):
-    """Where a model with several sets of parameters comes to rest, normalised.
-
-    ``theta`` (sets, terms) are the parameters, ``y0`` (sets,) the outputs at rest and ``u0``
-    (inputs,) the constant inputs. The sets were given in the shape ``sets``.
-    """
-
-    theta: Array
-    y0: Array
-    u0: Array
-    sets: tuple[int, ...]
-
-
 def rests(
     model: NarxModel,
-    parameters: ArrayLike | None,
-    operating_point: ArrayLike | None,
-    allow_missing: bool,
+    parameters: ArrayLike | None = None,
+    operating_point: ArrayLike | None = None,
+    allow_missing: bool = False,
 ) -> OperatingPoints:
     """Return the rests of a model; parameters are those of :func:`frequency_response`.
 
