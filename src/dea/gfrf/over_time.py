@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -22,6 +22,17 @@ from dea.narx import NarxModel, as_input, input_of
 from dea.store import complex_parts, variable
 
 Rows: TypeAlias = NDArray[np.int64]
+
+
+class Frequencies(NamedTuple):
+    """Where responses are taken, in Hz.
+
+    H1 at ``first`` (k,); H2 and H3 at ``plane`` (m,) each way; H3 at the third frequency ``third``.
+    """
+
+    first: Array
+    plane: Array
+    third: float
 
 
 @dataclass(frozen=True)
@@ -49,6 +60,15 @@ class Grid:
     plane_count: int = 60
     plane_times: Sequence[float] = (0.1, 0.5, 0.9)
     third_frequency: float = 0.01
+
+    def frequencies(self, sampling_rate: float) -> Frequencies:
+        """Return the frequencies at this rate in Hz."""
+        steps = np.arange(1, self.plane_count + 1)
+        return Frequencies(
+            sampling_rate * np.geomspace(self.lowest, self.highest, self.count),
+            sampling_rate * self.plane_highest * steps / self.plane_count,
+            sampling_rate * self.third_frequency,
+        )
 
 
 _GRID = Grid()
@@ -109,11 +129,8 @@ def response_over_time(
         course = track["parameter"].transpose("time", "term").values.astype(float)
         error = model_error(model, course, u, y, sampling_rate, excited_above)
     at, at_plane = rows.spread(grid.instants), rows.nearest(grid.plane_times)
-    f = sampling_rate * np.geomspace(grid.lowest, grid.highest, grid.count)
-    steps = np.arange(1, grid.plane_count + 1)
-    plane = sampling_rate * grid.plane_highest * steps / grid.plane_count
+    f, plane, f3 = frequencies = grid.frequencies(sampling_rate)
     f1, f2 = plane[:, None], plane[None, :]
-    f3 = sampling_rate * grid.third_frequency
     over, planes = ("time", "frequency"), ("time_h2", "frequency_1", "frequency_2")
     spectra = [
         _Spectrum(each, sampling_rate, f, plane, excited_above) for each in _each_input(model, u)
@@ -143,15 +160,7 @@ def response_over_time(
         )
         | _together("pair", [spectra[i - 1].of_pair(spectra[j - 1]) for i, j in pairs]),
         coords=_of_inputs(model, pairs)
-        | {
-            "time": ("time", rows.time[at], track["instant"].attrs),
-            "frequency": variable("frequency", f, "Hz", "frequency"),
-            "time_h2": ("time_h2", rows.time[at_plane], track["instant"].attrs),
-            "frequency_1": variable("frequency_1", plane, "Hz", "first frequency"),
-            "frequency_2": variable("frequency_2", plane, "Hz", "second frequency"),
-            "frequency_3": variable((), f3, "Hz", "third frequency of H3"),
-            "part": variable("part", ["real", "imag"], "1", "part"),
-        },
+        | _coordinates(frequencies, rows.time[at], rows.time[at_plane], track["instant"].attrs),
         attrs={name: track.attrs[name] for name in ("estimator", "withheld")},
     )
 
@@ -291,6 +300,22 @@ def _of_inputs(model: NarxModel, pairs: Sequence[tuple[int, int]]) -> dict[str, 
     words = {"input": names, "pair": [f"{names[i - 1]} × {names[j - 1]}" for i, j in pairs]}
     labels = {"input": "input", "pair": "inputs of the first and the second frequency"}
     return {name: variable(name, values, "1", labels[name]) for name, values in words.items()}
+
+
+def _coordinates(
+    frequencies: Frequencies, time: Array, time_h2: Array, attrs: dict[Any, Any]
+) -> dict[str, Any]:
+    """Return times, which have these ``attrs``, frequencies and parts of responses."""
+    first, plane, third = frequencies
+    return {
+        "time": ("time", time, attrs),
+        "frequency": variable("frequency", first, "Hz", "frequency"),
+        "time_h2": ("time_h2", time_h2, attrs),
+        "frequency_1": variable("frequency_1", plane, "Hz", "first frequency"),
+        "frequency_2": variable("frequency_2", plane, "Hz", "second frequency"),
+        "frequency_3": variable((), third, "Hz", "third frequency of H3"),
+        "part": variable("part", ["real", "imag"], "1", "part"),
+    }
 
 
 def _together(dimension: str, parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
