@@ -118,7 +118,6 @@ class RecedingHorizonInverse:
         scaling = self._scaling
         bounded = improve(
             self.equation if parameters is None else self.equation._replace(theta=parameters),
-            self._past,
             self._y,
             self._u,
             (reference - scaling.y_offset) / scaling.y_scale,

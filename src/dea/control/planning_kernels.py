@@ -59,13 +59,7 @@ def _times_factors(value: float, lags: Indices, signal: Array, t: int, left_out:
 
 @njit(cache=True, error_model="numpy")
 def improve(
-    equation: Equation,
-    past: int,
-    y: Array,
-    u: Array,
-    reference: Array,
-    smoothness: float,
-    limits: InputLimits,
+    equation: Equation, y: Array, u: Array, reference: Array, smoothness: float, limits: InputLimits
 ) -> bool:
     """Improve a plan by one Gauss-Newton step, in place, then bring it within limits and rate.
 
@@ -73,11 +67,10 @@ def improve(
     ----------
     equation
         Of the model, whose units all signals are in.
-    past
-        Samples of ``y`` and ``u`` before the plan; as many as the largest lag, two at least.
     y, u
-        The past and then the plan, (past + n,): inputs are improved, and outputs written: those
-        of the inputs as they were, the first of them that of its input as it is then.
+        The past and then the plan, (past + n,), with a past as long as the largest lag, two samples
+        at least. Inputs of the plan are improved, and outputs written: those of the inputs as they
+        were, the first of them that of its input as it is then.
     reference
         Outputs wanted, (n,).
     smoothness
@@ -91,6 +84,7 @@ def improve(
         Whether the run stayed bounded; otherwise the inputs are as they were.
     """
     n = reference.size
+    past = u.size - n
     a, b = np.empty(past + 1), np.empty(past + 1)
     S = np.zeros((n, n))  # of y_i by u_j
     error = np.empty(n)
