@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from dea.control import Reach, design_reference, reach_of
+from dea.control import Reach, ReferenceShape, design_reference, reach_of
 from dea.errors import InputError
 
 RATE = 50.0
 REACH = Reach(0.8, 1.2)
-SHAPE = {"turn": 20.0, "hold": 2.0, "rise": 0.6, "frequency": 0.5}
+SHAPE = ReferenceShape(turn=20.0, hold=2.0, rise=0.6, frequency=0.5)
 
 
 def reference(seed=1, seconds=60):
-    return design_reference(REACH, round(seconds * RATE), RATE, seed, **SHAPE)
+    return design_reference(REACH, round(seconds * RATE), RATE, seed, SHAPE)
 
 
 def test_it_goes_from_end_to_end_and_no_further():
@@ -50,7 +50,7 @@ def test_the_sine_and_the_noise_hold_only_their_frequencies():
 )  # fmt: skip
 def test_a_turn_in_which_nothing_fits_is_refused(change, field):
     with pytest.raises(InputError) as refused:
-        design_reference(REACH, 600, RATE, 1, **SHAPE | change)
+        design_reference(REACH, 600, RATE, 1, SHAPE._replace(**change))
     assert refused.value.field == field
 
 

@@ -11,7 +11,7 @@ from dea.control.limits import InputLimits
 from dea.control.linear import Linearised, linearise, linearise_over_time
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse, inverse_of
-from dea.control.reference import Reach, design_reference, reach_of
+from dea.control.reference import Reach, ReferenceShape, design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import whole_inverse
 
@@ -29,6 +29,7 @@ __all__ = [
     "OnlineTracker",
     "Reach",
     "RecedingHorizonInverse",
+    "ReferenceShape",
     "RunIn",
     "Task",
     "c_identifier",

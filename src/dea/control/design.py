@@ -12,7 +12,7 @@ from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.limits import InputLimits
 from dea.control.online import OnlineTracker, scale_of_record
 from dea.control.planning import RecedingHorizonInverse, inverse_of
-from dea.control.reference import design_reference, reach_of
+from dea.control.reference import ReferenceShape, design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.errors import InputError
@@ -84,7 +84,7 @@ class ControllerDesign:
         run_in = RunIn(*(round(settings[name] * sampling_rate) for name in ("hold", "approach")))
         followed = design_reference(
             reach, round(settings["duration"] * sampling_rate), sampling_rate, seed,
-            **{name: chosen[name] for name in ("turn", "hold", "rise", "frequency")},
+            ReferenceShape(*(chosen[name] for name in ReferenceShape._fields)),
         )  # fmt: skip
         reference = np.concatenate([np.full(sum(run_in), followed[0]), followed])
         rests = rests_of(model, limits, np.linspace(reach.low, reach.high, RESTS))

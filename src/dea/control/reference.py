@@ -57,10 +57,22 @@ def reach_of(y: Array, sampling_rate: float, shares: tuple[float, float]) -> Rea
     return Reach(first, last)
 
 
+class ReferenceShape(NamedTuple):
+    """What a reference is made of.
+
+    ``turn`` is the length of each kind in s, ``hold`` the time from step to step and ``rise`` that
+    of each, in s; ``frequency`` is that of the sine, and half the band of the noise, in Hz.
+    """
+
+    turn: float
+    hold: float
+    rise: float
+    frequency: float
+
+
 def design_reference(
-    reach: Reach, samples: int, sampling_rate: float, seed: int, *,
-    turn: float, hold: float, rise: float, frequency: float,
-) -> Array:  # fmt: skip
+    reach: Reach, samples: int, sampling_rate: float, seed: int, shape: ReferenceShape
+) -> Array:
     """Return a reference, shape (samples,): turns of steps, a sine and noise, one after the other.
 
     Steps go to random levels, the ends of the reach among them, along the polynomial of fifth
@@ -69,12 +81,8 @@ def design_reference(
 
     Parameters
     ----------
-    turn
-        Length of each kind in s.
-    hold, rise
-        Time from step to step, and of each, in s.
-    frequency
-        Of the sine, and half the band of the noise, in Hz.
+    shape
+        Lengths and frequencies.
 
     Raises
     ------
@@ -82,6 +90,7 @@ def design_reference(
         If a turn is no sample, or holds no step or no period of the noise.
     """
     rng = np.random.default_rng(seed)
+    turn, hold, _, frequency = shape
     if not turn * sampling_rate >= 1.0:
         raise InputError(
             f"{turn:g} s are no sample at {sampling_rate:g} Hz", field="turn", remedy="Lengthen it."
@@ -94,7 +103,7 @@ def design_reference(
     time = np.arange(length) / sampling_rate
     fade = least_jerk(time) * least_jerk(turn - time)
     kinds = (
-        lambda: _steps(time, turn, hold, rise, rng),
+        lambda: _steps(time, shape, rng),
         lambda: np.sin(2.0 * np.pi * frequency * time) * fade,
         lambda: _noise(length, sampling_rate, 2.0 * frequency, rng) * fade,
     )
@@ -111,14 +120,14 @@ def least_jerk(time: Array) -> Array:
     return way
 
 
-def _steps(time: Array, turn: float, hold: float, rise: float, rng: np.random.Generator) -> Array:
-    count = int(turn / hold)
+def _steps(time: Array, shape: ReferenceShape, rng: np.random.Generator) -> Array:
+    count = int(shape.turn / shape.hold)
     levels = rng.uniform(-1.0, 1.0, count)
     levels[:3] = [levels[0], 1.0, -1.0][:count]
     levels[-1:] = 0.0
     before = np.concatenate([[0.0], levels[:-1]])
     steps = (levels - before)[:, None] * least_jerk(
-        (time - hold * np.arange(count)[:, None]) / rise
+        (time - shape.hold * np.arange(count)[:, None]) / shape.rise
     )
     total: Array = steps.sum(axis=0)
     return total
