@@ -12,7 +12,6 @@ from dea.control.linear import Linearised, linearise, linearise_over_time
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import Reach, ReferenceShape, design_reference, reach_of
-from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import whole_inverse
 
 __all__ = [
@@ -42,7 +41,6 @@ __all__ = [
     "to_c",
     "to_iosystem",
     "tune_feedback",
-    "tune_through_inverse",
     "whole_inverse",
     "write_fmu",
 ]

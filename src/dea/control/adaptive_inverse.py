@@ -125,7 +125,7 @@ class AdaptiveInverse:
     inverse
         The inverse of the model.
     gains
-        Of :func:`dea.control.tune_through_inverse`.
+        Of :meth:`dea.control.ControllerDesign.gains`.
     task
         What to follow.
     new_tracker

@@ -13,7 +13,7 @@ from dea.control.limits import InputLimits
 from dea.control.online import OnlineTracker, scale_of_record
 from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import ReferenceShape, design_reference, reach_of
-from dea.control.through_inverse import tune_through_inverse
+from dea.control.through_inverse import band_through_inverse
 from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.errors import InputError
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_response
@@ -105,13 +105,10 @@ class ControllerDesign:
 
     def gains(self) -> Gains:
         """Return the feedback through the inverse, tuned at every rest for its band of H1."""
-        frequencies = loop_frequencies(self.sampling_rate)
-        bands = [self._band(u, frequencies) for u, _ in self.rests]
-        names = ("integral_time", "filter_time", "largest_sensitivity")
-        return tune_through_inverse(
-            self.inverse(), self.rests, bands, frequencies, self.sampling_rate,
-            **{name: self.settings[name] for name in names},
-        )  # fmt: skip
+        inverse = self.inverse()
+        z = np.exp(2j * np.pi * loop_frequencies(self.sampling_rate) / self.sampling_rate)
+        bands = [band_through_inverse(inverse, u, y, self._band(u), z) for u, y in self.rests]
+        return self._tuned(bands, self.settings["integral_time"], self.settings["filter_time"])
 
     def adaptive(self, gains: Gains) -> AdaptiveInverse:
         """Return the controller whose model is tracked."""
@@ -158,24 +155,9 @@ class ControllerDesign:
         of these the one with the largest integral gain is taken, which removes slow disturbances
         best (Astroem and Haegglund, Advanced PID Control, 2006, section 4.9).
         """
-        frequencies = loop_frequencies(self.sampling_rate)
-        delay = np.exp(-2j * np.pi * frequencies / self.sampling_rate)
-        linear = [
-            ResponseBand.exact(self._band(u, frequencies).response * delay) for u, _ in self.rests
-        ]
-        tuned = [
-            min(
-                (
-                    tune_feedback(
-                        band, frequencies, self.sampling_rate, integral_time=time,
-                        largest_sensitivity=self.settings["largest_sensitivity"],
-                    )
-                    for band in linear
-                ),
-                key=lambda gains: abs(gains.proportional),
-            )
-            for time in _TIMES
-        ]  # fmt: skip
+        delay = np.exp(-2j * np.pi * loop_frequencies(self.sampling_rate) / self.sampling_rate)
+        linear = [ResponseBand.exact(self._band(u).response * delay) for u, _ in self.rests]
+        tuned = [self._tuned(linear, time) for time in _TIMES]
         return max(tuned, key=lambda gains: abs(gains.proportional) / gains.integral_time)
 
     def follower(self, gains: Gains) -> "FromStart":
@@ -184,10 +166,26 @@ class ControllerDesign:
         follower = Follower(gains, lowest, highest, self.settings["rate"], self.task.start)
         return FromStart(follower, self.task)
 
-    def _band(self, u: float, frequencies: Array) -> ResponseBand:
+    def _band(self, u: float) -> ResponseBand:
+        """Return the band of H1 around the rest at an input."""
+        frequencies = loop_frequencies(self.sampling_rate)
         return frequency_response_band(
             self.model, 1, frequencies, self.sampling_rate, operating_point=u
         )
+
+    def _tuned(
+        self, bands: list[ResponseBand], integral_time: float, filter_time: float = 0.0
+    ) -> Gains:
+        """Return the largest gain that keeps its margins for all bands, one of each rest."""
+        tuned = [
+            tune_feedback(
+                band, loop_frequencies(self.sampling_rate), self.sampling_rate,
+                integral_time=integral_time, filter_time=filter_time,
+                largest_sensitivity=self.settings["largest_sensitivity"],
+            )
+            for band in bands
+        ]  # fmt: skip
+        return min(tuned, key=lambda gains: abs(gains.proportional))
 
     def _tracker(self, parameters: Array | None) -> OnlineTracker:
         model = with_constant(self.model)

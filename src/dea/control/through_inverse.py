@@ -1,12 +1,9 @@
-"""Feedback through the inverse of a model, tuned for every response in a band."""
+"""What a feedback through the inverse of a model acts on."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dea.arrays import Array
-from dea.control.feedback import Gains, tune_feedback
 from dea.control.planning import RecedingHorizonInverse
-from dea.errors import InputError
 from dea.gfrf import ResponseBand
 
 _SMALL = 1e-5  # of the scales: a change whose effect on the inputs is linear
@@ -48,64 +45,22 @@ def inverse_response(
     return response
 
 
-def tune_through_inverse(
-    inverse: RecedingHorizonInverse,
-    rests: list[tuple[float, float]],
-    bands: list[ResponseBand],
-    frequencies: Array,
-    sampling_rate: float,
-    *,
-    integral_time: float,
-    filter_time: float,
-    largest_sensitivity: float,
-) -> Gains:
-    """Return the largest gain that keeps its margins at every rest, for every response in its band.
+def band_through_inverse(
+    inverse: RecedingHorizonInverse, u: float, y: float, band: ResponseBand, z: Array
+) -> ResponseBand:
+    """Return the band of what a feedback through the inverse acts on, z^{-1} Q(z) H(z).
 
-    The loop is C(z) z^{-1} Q(z) H(z): a measurement acts one sample later, through the inverse's
-    response Q on the actuator's H, whose band is that of the model. :func:`tune_feedback` says what
-    margins are.
+    A measurement acts one sample later, through the inverse's response Q on the actuator's H, whose
+    band is that of the model.
 
     Parameters
     ----------
-    inverse
-        The inverse that the feedback acts through.
-    rests
-        Input and output of the rests over which the reference goes.
-    bands
-        Of H1 at each of them, at ``frequencies`` (Hz).
-    frequencies
-        Shape (frequencies,), in Hz.
-    sampling_rate
-        In Hz.
-    integral_time, filter_time
-        In s, as for :func:`tune_feedback`.
-    largest_sensitivity
-        Ms, which every response in its band keeps.
-
-    Raises
-    ------
-    InputError
-        As :func:`tune_feedback`; also where there is no rest.
+    u, y
+        Input and output of the rest.
+    band
+        Of H1 there, at the points ``z``.
     """
-    if not rests:
-        raise InputError(
-            "the model rests at no output of the reference",
-            field="rests",
-            remedy="Identify it from a record that reaches as far, or narrow the reference.",
-        )
-    z = np.exp(2j * np.pi * frequencies / sampling_rate)
-    found = [
-        tune_feedback(
-            _times(band, inverse_response(inverse, u, y, band, z) / z), frequencies, sampling_rate,
-            integral_time=integral_time, filter_time=filter_time,
-            largest_sensitivity=largest_sensitivity,
-        )
-        for (u, y), band in zip(rests, bands, strict=True)
-    ]  # fmt: skip
-    return min(found, key=lambda gains: abs(gains.proportional))
-
-
-def _times(band: ResponseBand, factor: NDArray[np.complex128]) -> ResponseBand:
+    factor = inverse_response(inverse, u, y, band, z) / z
     size, angle = np.abs(factor), np.degrees(np.angle(factor))
     return band._replace(
         response=band.response * factor,
