@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from dea.control import Controller, ControllerDesign, Gains, Task
-    from dea.modbus import Device
 
 MINUTE = 60.0  # s
 
@@ -37,31 +36,24 @@ def control(
     it. ``nominal`` and ``extended`` are the simulation fitted without and with the effects that
     the record's diagnosis named.
     """
-    import tempfile
-
     from dea import modbus, seeds, store
     from dea.control import ControllerDesign
     from dea.narx import NarxModel
     from dea.progress import tell
 
     tell("references and inverses")
-    description = modbus.read_device(device)
+    rate = modbus.read_device(device).sampling_rate
     signals = store.signals(store.read_record(record))
     units = signals.unit_of_one_input("A trial of controllers")
     generator = seeds.generator(settings["seed"], settings["system"], "control")
     seed, noise_seed = (int(n) for n in generator.integers(2**31, size=2))
-    rate = description.sampling_rate
     design = ControllerDesign.of_record(
         NarxModel.load(model), signals.u, signals.y, rate, settings["control"], seed
     )
-    # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
-    with tempfile.TemporaryDirectory() as folder:
-        found = {}
-        for name, scheme in _controllers(design, nominal, extended).items():
-            tell(f"with the {name}")
-            found[name] = _follow(
-                design, scheme, settings, description, device, noise_seed, Path(folder)
-            )
+    found = {}
+    for name, scheme in _controllers(design, nominal, extended).items():
+        tell(f"with the {name}")
+        found[name] = _follow(design, scheme, settings, device, noise_seed)
     store.write(
         _dataset(found, design, units, signals.y_units),
         control,
@@ -116,15 +108,19 @@ def _inverse(design: "ControllerDesign", path: Path) -> ControlScheme:
 
 
 def _follow(
-    design: "ControllerDesign", scheme: ControlScheme, settings: Mapping[str, Any],
-    description: "Device", device: Path, noise_seed: int, folder: Path,
-) -> Followed:  # fmt: skip
+    design: "ControllerDesign",
+    scheme: ControlScheme,
+    settings: Mapping[str, Any],
+    device: Path,
+    noise_seed: int,
+) -> Followed:
     """Drive a fresh bench with one controller; what stops it is its outcome."""
     from dataclasses import replace
+    from tempfile import TemporaryDirectory
 
     import numpy as np
 
-    from dea import acquisition
+    from dea import acquisition, modbus
     from dea.control import LostError
     from dea.stages.bench_process import as_planned, bench_process
 
@@ -143,10 +139,15 @@ def _follow(
         )
         options = replace(options, mode="polled", paced=False, on_break="stop")
     record, outcome = None, "to the end"
-    with bench_process(**bench, device=device, seed=noise_seed) as port:
-        answering = replace(description, host="127.0.0.1", port=port, virtual=True)
+    # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
+    with (
+        TemporaryDirectory() as folder,
+        bench_process(**bench, device=device, seed=noise_seed) as port,
+    ):
+        answering = replace(modbus.read_device(device), host="127.0.0.1", port=port, virtual=True)
+        partial = Path(folder) / "partial"
         try:
-            record = acquisition.acquire(answering, played, folder / "partial", options).record
+            record = acquisition.acquire(answering, played, partial, options).record
         except (LostError, acquisition.ControllerError) as error:
             outcome = str(error)
     own = getattr(controller, "reference", np.empty(0))
