@@ -148,17 +148,21 @@ def track_parameters(
     signals = normalised_signals(model, inputs, outputs)
     if method == "local" and chosen["window"] is None:
         chosen["window"] = usual_window(model, signals.y.size)
-    given = sampling_rate
-    if given is None and isinstance(u, store.Record):
-        given = u.sampling_rate
-    unknown = given is None and model.labels.sampling_rate is None
-    rate = 1.0 if unknown else rate_of(model.labels, given)
+    rate = _rate(model, u, sampling_rate)
     at = evenly_spread(signals.y.size, chosen.pop("instants"))
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     # Before the first equation the first estimate holds.
     of_equation = np.maximum(at - model.max_lag, 0)
     found = tracker(model, signals, of_equation, method, chosen)
     return track_dataset(model, found, at, rate, {"method": method, **chosen})
+
+
+def _rate(model: NarxModel, u: ArrayLike | store.Record, given: float | None) -> float:
+    """Return the sampling rate in Hz that labels the time, 1 where nothing tells it."""
+    if given is None and isinstance(u, store.Record):
+        given = u.sampling_rate
+    unknown = given is None and model.labels.sampling_rate is None
+    return 1.0 if unknown else rate_of(model.labels, given)
 
 
 def _recursive(
