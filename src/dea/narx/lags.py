@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,19 +95,7 @@ def select_lags(
     offered: Sequence[tuple[Lags, InputLags]] = (
         lag_choices(outputs, even_in_input=even_in_input) if choices is None else choices
     )
-    if not offered or not thresholds or not cuts:
-        raise InputError(
-            "there is nothing to choose from",
-            field="choices, thresholds, cuts",
-            remedy="Give at least one of each.",
-        )
-    for each in offered:
-        if not isinstance(each, Sequence) or len(each) != 2:
-            raise InputError(
-                f"one is {each!r}",
-                field="choices",
-                remedy="Give pairs of output lags and input lags, as (3, [10, 11, 12])",
-            )
+    _check_offered(offered, thresholds, cuts)
     settings = [_choice(y_lags, u_lags, input_count(inputs)) for y_lags, u_lags in offered]
     found: list[tuple[LagChoice, float | None, NarxModel]] = []
     refused: list[InputError] = []
@@ -138,6 +126,24 @@ def select_lags(
         tell(f"lags {lags.y_lags} and {lags.u_lags}: held-out error {error:.3g}")
         compared.append(Compared(lags, threshold, error, model))
     return sorted(compared, key=lambda each: (not each.model.stability().stable, each.error))
+
+
+def _check_offered(
+    choices: Sequence[Any], thresholds: Sequence[float | None], cuts: Sequence[int]
+) -> None:
+    if not choices or not thresholds or not cuts:
+        raise InputError(
+            "there is nothing to choose from",
+            field="choices, thresholds, cuts",
+            remedy="Give at least one of each.",
+        )
+    for each in choices:
+        if not isinstance(each, Sequence) or len(each) != 2:
+            raise InputError(
+                f"one is {each!r}",
+                field="choices",
+                remedy="Give pairs of output lags and input lags, as (3, [10, 11, 12])",
+            )
 
 
 def lag_choices(y: ArrayLike, *, even_in_input: bool = False) -> list[LagChoice]:
