@@ -17,7 +17,7 @@ from dea.narx.limits import stays_in_range
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise
 from dea.narx.segments import squared_error
-from dea.store import variable
+from dea.store import Described, variable
 from dea.terms import Term
 
 LAST_VALUE = "last value"
@@ -88,20 +88,7 @@ def forecast_errors(
     """
     inputs, recorded = as_record(u, y, missing=True)
     seen = np.isfinite(recorded)
-    window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
-    origins = np.arange(
-        round(plan.start * sampling_rate),
-        recorded.size - max(reaches) + 1,
-        max(round(plan.every * sampling_rate), 1),
-    )
-    if not origins.size or origins[0] < window or any(b <= a for a, b in pairwise([0, *reaches])):
-        raise InputError(
-            f"no forecast over {plan.horizons} s fits a record of"
-            f" {recorded.size / sampling_rate:g} s from {plan.start:g} s on with"
-            f" {plan.window:g} s before",
-            field="forecast",
-            remedy="Give ascending horizons of a sample or more, and start after the window.",
-        )
+    origins, window, reaches = _planned(plan, sampling_rate, recorded.size)
     structures = [_with_constant(model) for model in models.values()]
     windows = {
         column: parts
@@ -126,21 +113,53 @@ def forecast_errors(
     for column, past in zip(windows, pasts, strict=True):
         held = np.full(max(reaches), past[-1])
         errors[-1, :, column] = _errors(held, recorded[past.size :], reaches)
+    coordinates = {
+        "forecaster": variable("forecaster", [*models, LAST_VALUE], "1", "what forecasts"),
+        "horizon": variable(
+            "horizon", np.asarray(plan.horizons, dtype=float), "s", "length of the forecast"
+        ),
+        "origin": variable("origin", origins / sampling_rate, "s", "beginning of the forecast"),
+    }
+    return _dataset(errors, y_units, coordinates)
+
+
+def _planned(
+    plan: ForecastPlan, sampling_rate: float, samples: int
+) -> tuple[NDArray[np.int64], int, list[int]]:
+    """Return where forecasts of a record begin, and the lengths of window and horizons, in samples.
+
+    Raises
+    ------
+    InputError
+        If no forecast fits the record, or the horizons do not ascend.
+    """
+    window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
+    origins = np.arange(
+        round(plan.start * sampling_rate),
+        samples - max(reaches) + 1,
+        max(round(plan.every * sampling_rate), 1),
+    )
+    if not origins.size or origins[0] < window or any(b <= a for a, b in pairwise([0, *reaches])):
+        raise InputError(
+            f"no forecast over {plan.horizons} s fits a record of {samples / sampling_rate:g} s"
+            f" from {plan.start:g} s on with {plan.window:g} s before",
+            field="forecast",
+            remedy="Give ascending horizons of a sample or more, and start after the window.",
+        )
+    return origins, window, reaches
+
+
+def _dataset(errors: Array, units: str, coordinates: Mapping[str, Described]) -> xr.Dataset:
+    """Return the errors (forecaster, horizon, origin), and their root mean square over origins."""
     with np.errstate(invalid="ignore"):  # a horizon that holds no output at any origin
         mean_squares = np.nansum(errors**2, axis=-1) / np.sum(~np.isnan(errors), axis=-1)
-    of_each, of_all = ("forecaster", "horizon", "origin"), ("forecaster", "horizon")
-    names, horizons = [*models, LAST_VALUE], np.asarray(plan.horizons, dtype=float)
-    what, rmse = "root mean square error of", np.sqrt(mean_squares)
+    what, over = "root mean square error of", tuple(coordinates)
     return xr.Dataset(
         {
-            "error": variable(of_each, errors, y_units, f"{what} a forecast"),
-            "rmse": variable(of_all, rmse, y_units, f"{what} all forecasts"),
+            "error": variable(over, errors, units, f"{what} a forecast"),
+            "rmse": variable(over[:-1], np.sqrt(mean_squares), units, f"{what} all forecasts"),
         },
-        coords={
-            "forecaster": variable("forecaster", names, "1", "what forecasts"),
-            "horizon": variable("horizon", horizons, "s", "length of the forecast"),
-            "origin": variable("origin", origins / sampling_rate, "s", "beginning of the forecast"),
-        },
+        coords=coordinates,
     )
 
 
