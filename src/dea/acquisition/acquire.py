@@ -109,17 +109,37 @@ def acquire(
     refuse_latched(device)
     refuse_in_use(partial)
     refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))
-    log, broken = LinkLog(), None
-    for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
-        # Only the first attempt clears the latch of the device: one set since then is a new trip.
-        again = reset and attempt == 0
-        token = randbits(31) + 1
-        job = DriveJob(
-            device, settings, plan.counts, again, token, latch_file(device), log.started, **in_loop
-        )
+    log = LinkLog()
+    job = DriveJob(
+        device, settings, plan.counts, reset, _new_token(), latch_file(device), log.started,
+        **in_loop,
+    )  # fmt: skip
+    samples = _driven(job, plan, partial, watch, log, loop)
+    record = kept_record(
+        device, samples, plan.lead, plan.length,
+        clock_tolerance=settings.clock_tolerance, armed_by=settings.armed_by,
+    )  # fmt: skip
+    link = link_dataset(log, samples)
+    return AcquiredRecord(record, link.assign_attrs(device_description=device.described))
+
+
+def _new_token() -> int:
+    return randbits(31) + 1
+
+
+def _driven(
+    job: DriveJob,
+    plan: OutputPlan,
+    partial: Path,
+    watch: Watcher | None,
+    log: LinkLog,
+    loop: ClosedLoop | None,
+) -> DrivenSamples:
+    """Return everything measured in the first attempt that broke off nowhere."""
+    broken = None
+    for _ in range(job.settings.restarts + 1 if job.settings.on_break == "restart" else 1):
         try:
-            samples = _attempt(job, plan, partial, watch, log, loop)
-            break
+            return _attempt(job, plan, partial, watch, log, loop)
         except BrokenRecordError as error:
             broken = error
             log.errors["restarted"] += 1
@@ -127,15 +147,10 @@ def acquire(
             if broken is None:
                 raise
             raise broken from refusal
-    else:
-        assert broken is not None
-        raise broken
-    record = kept_record(
-        device, samples, plan.lead, plan.length,
-        clock_tolerance=settings.clock_tolerance, armed_by=settings.armed_by,
-    )  # fmt: skip
-    link = link_dataset(log, samples)
-    return AcquiredRecord(record, link.assign_attrs(device_description=device.described))
+        # Only the first attempt clears the latch of the device: one set since then is a new trip.
+        job = job._replace(reset=False, token=_new_token())
+    assert broken is not None
+    raise broken
 
 
 def _attempt(
