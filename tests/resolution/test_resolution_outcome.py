@@ -9,6 +9,7 @@ from made_outcomes import DRIFTING, knowledge, resolution_of
 from dea import store
 from dea.discrepancy import Reason, Rules, Settings, read_verdict
 from dea.resolution import ANOTHER, Options, ResolutionOutcome, resolution_dataset
+from dea.resolution.knowledge import Inquiry
 from dea.resolution.posterior import Posterior
 from dea.resolution.weighing import _explanations, _offered, _parts, _prior, learnt
 from dea.stages.resolve import said
@@ -165,7 +166,7 @@ def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
     }
     for name, stub in stubs.items():
         monkeypatch.setattr(f"dea.resolution.weighing.{name}", stub)
-    after, _ = learnt(known, None, None, Settings(), Options(), 1)
+    after, _ = learnt(known, None, Inquiry(None, None, Settings(), Options()))
     assert set(after.posterior.now) - {ANOTHER} == set(after.explanations)
     assert "new" in after.explanations
     assert "dropped" not in after.posterior.now

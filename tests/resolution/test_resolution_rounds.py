@@ -23,6 +23,7 @@ from dea.resolution import (
 )
 from dea.resolution.design import Question
 from dea.resolution.error import Error
+from dea.resolution.knowledge import Inquiry
 from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.question import fresh_design, next_design
@@ -37,6 +38,7 @@ SETTINGS = Settings(
     budget=Budget(starts=2, shakes=0, restarted=0, effects=1),
 )
 OPTIONS = Options(duration=20.0)
+INQUIRY = Inquiry(CARRIAGE, LIMITS, SETTINGS, OPTIONS)
 
 
 def first(device):
@@ -165,10 +167,10 @@ def known(left=("a",)):
 
 
 def test_a_certificate_asks_the_explanations_that_are_left():
-    design = fresh_design(known(), LIMITS, SETTINGS, OPTIONS)
+    design = fresh_design(known(), INQUIRY)
     assert LIMITS.allows(design.u)
     assert design.closest == ()
-    assert fresh_design(known(left=("away",)), LIMITS, SETTINGS, OPTIONS) is None
+    assert fresh_design(known(left=("away",)), INQUIRY) is None
     page = experiment_page(
         "carriage", "resolve_fresh", design, LIMITS, {"a": 1.0}, ("V", "V"), others=True
     )
@@ -176,7 +178,7 @@ def test_a_certificate_asks_the_explanations_that_are_left():
 
 
 def test_explanations_that_a_certificate_asks_are_equally_probable():
-    design = fresh_design(known(left=("none", "a")), LIMITS, SETTINGS, OPTIONS)
+    design = fresh_design(known(left=("none", "a")), INQUIRY)
     assert design.closest == ("a", "none")
     assert design.log_bound == pytest.approx(np.log(0.5) - design.distance**2 / 8.0)
 
@@ -210,7 +212,7 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     monkeypatch.setattr(rounds, "transferable", lambda extended: True)
     nowhere = SimpleNamespace(design=lambda number, records, make: None)
     decided = Resolution(knowledge, (), ResolutionOutcome.DECIDED)
-    found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
+    found = rounds._certified(decided, nowhere, INQUIRY)
     assert (found.certificate, found.pending) == (None, None)
     assert "not certified: no excitation was found" in said("carriage", found)
 
@@ -235,7 +237,7 @@ def test_what_is_asked_counts_by_itself(monkeypatch, logs, asked):
     knowledge = known()
     prior = dict.fromkeys(logs, 0.25)
     knowledge = replace(knowledge, posterior=Posterior.of(prior).after(logs))
-    next_design(knowledge, LIMITS, SETTINGS, OPTIONS, 1)
+    next_design(knowledge, INQUIRY, 1)
     (asking,) = questions
     found = dict(zip([e.name for e in asking.explanations], asking.probabilities, strict=True))
     assert found == pytest.approx(asked)
@@ -272,7 +274,7 @@ def test_a_fresh_record_can_withdraw_a_name(monkeypatch, after, outcome, status)
     monkeypatch.setattr(rounds, "certify_elsewhere", lambda *arguments: {"fresh": certified})
     source = InMemory(DEVICES["sensor_lag"])
     source.keep(found.rounds[-1])
-    again = rounds._certified(found, source, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
+    again = rounds._certified(found, source, INQUIRY)
     assert source.kept[-1].after.verdict.status == status
     assert (again.outcome, again.certificate) == (outcome, certified)
     assert again.last.verdict.status == status

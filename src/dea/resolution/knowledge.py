@@ -6,12 +6,13 @@ from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from dea.discrepancy import Diagnosis, Reason, Status, Verdict
+from dea.discrepancy import Diagnosis, Reason, Settings, Status, Verdict
 from dea.resolution.design import Forms
+from dea.resolution.excitation import Limits
 from dea.resolution.explanation import NONE, Explanation
 from dea.resolution.law_error import LawError
 from dea.resolution.posterior import Posterior
-from dea.simulation import catalogue
+from dea.simulation import Simulation, catalogue
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,6 +71,17 @@ class Options:
     level: float = 0.01
     another: float = 0.1
     forms: Forms = Forms.FREE
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """What is asked of a device, as :func:`dea.resolution.resolve` is given it."""
+
+    simulation: Simulation
+    limits: Limits
+    settings: Settings
+    options: Options
+    workers: int = 1
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dea.progress import tell
 from dea.resolution.design import Design, Question, designed, likeliest
 from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import NONE, Explanation
-from dea.resolution.knowledge import ANOTHER, Knowledge, Options
+from dea.resolution.knowledge import ANOTHER, Inquiry, Knowledge
 from dea.seeds import generator
 
 # Factor on the shortest record, since its split may rest on a slower time constant.
@@ -20,10 +20,9 @@ _DRAWS = 8
 CERTIFICATE = 0  # number of the record that certifies
 
 
-def next_design(
-    known: Knowledge, limits: Limits, settings: Settings, options: Options, number: int
-) -> Design | None:
+def next_design(known: Knowledge, inquiry: Inquiry, number: int) -> Design | None:
     """Return the excitation that best tells apart the hypotheses that are left."""
+    options = inquiry.options
     tell(f"record {number}: designing it")
     left = known.posterior.left(options.level) - {ANOTHER}
     logs = known.posterior.log_now
@@ -33,21 +32,19 @@ def next_design(
         # The one that is left is tested against each of those that were rejected.
         asked = likeliest(list(known.explanations.values()), logs)
         weights = np.zeros(len(asked))
-    question = _question(known, asked, weights, limits)
-    shortest = _shortest(known, settings, options)
-    durations = shortest, options.duration
-    rng = _generator(settings, number)
+    question = _question(known, asked, weights, inquiry.limits)
+    durations = _shortest(known, inquiry), options.duration
+    rng = _generator(inquiry.settings, number)
     return designed(question, durations, options.level, rng, options.forms)
 
 
-def fresh_design(
-    known: Knowledge, limits: Limits, settings: Settings, options: Options
-) -> Design | None:
+def fresh_design(known: Knowledge, inquiry: Inquiry) -> Design | None:
     """Return an excitation drawn at random whose predicted outputs stay in range.
 
     None where no draw of a few keeps those of all hypotheses that are left in range.
     """
-    rng = _generator(settings, CERTIFICATE)
+    limits, options = inquiry.limits, inquiry.options
+    rng = _generator(inquiry.settings, CERTIFICATE)
     left = sorted(known.posterior.left(options.level) - {ANOTHER})
     asked = [known.explanations[name] for name in left]
     question = _question(known, asked, np.zeros(len(asked)), limits)
@@ -73,14 +70,15 @@ def _question(
     )
 
 
-def _shortest(known: Knowledge, settings: Settings, options: Options) -> float:
+def _shortest(known: Knowledge, inquiry: Inquiry) -> float:
     """Return the duration (s) of the shortest record that a diagnosis can split."""
     interval = known.diagnosis.problem.interval
     samples = shortest_record(known.diagnosis.split.spacing) * _SPARE
-    needed = samples * interval + settings.warm_up
-    if needed > options.duration:
+    needed = samples * interval + inquiry.settings.warm_up
+    duration = inquiry.options.duration
+    if needed > duration:
         raise InputError(
-            f"a designed record of {options.duration:g} s is too short for the slowest time"
+            f"a designed record of {duration:g} s is too short for the slowest time"
             f" constant of the device: {needed:.3g} s are needed",
             field="resolution.duration",
             remedy="Raise it, or give the case a shorter `split.slowest_time`",

@@ -18,7 +18,7 @@ from dea.discrepancy import (
 from dea.progress import part_of
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
-from dea.resolution.knowledge import Knowledge, Options, ResolutionOutcome
+from dea.resolution.knowledge import Inquiry, Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE, fresh_design, next_design
 from dea.resolution.weighing import begun, learnt
 from dea.simulation import Simulation, load_simulation
@@ -130,7 +130,8 @@ def resolve(
     """
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
-    known = first = begun(records, own, settings, options, workers)
+    inquiry = Inquiry(own, limits, settings, options, workers)
+    known = first = begun(records, inquiry)
     rounds: list[ResolutionRound] = []
     halted = ""
     undecided = (ResolutionOutcome.OPEN, ResolutionOutcome.PART)
@@ -138,11 +139,8 @@ def resolve(
         if not rounds and known.verdict.status == Status.NONE:
             break
         number = len(rounds) + 1
-        design = source.design(
-            number,
-            known.records,
-            partial(next_design, known, limits, settings, options, number),
-        )
+        make = partial(next_design, known, inquiry, number)
+        design = source.design(number, known.records, make)
         if design is None:
             halted = f"Record {number} is not driven: {_NOWHERE}"
             break
@@ -150,7 +148,7 @@ def resolve(
         if record is None:
             return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
         with part_of(f"record {number}"):
-            after, log_densities = learnt(known, record, own, settings, options, workers)
+            after, log_densities = learnt(known, record, inquiry)
         rounds.append(ResolutionRound(number, design, log_densities, known, after))
         source.keep(rounds[-1])
         known = after
@@ -158,32 +156,22 @@ def resolve(
     found = Resolution(first, tuple(rounds), outcome, halted=halted)
     if outcome not in (ResolutionOutcome.DECIDED, ResolutionOutcome.PART) or not rounds:
         return found
-    return _certified(found, source, own, limits, settings, options)
+    return _certified(found, source, inquiry)
 
 
-def _certified(
-    found: Resolution,
-    source: RecordSource,
-    simulation: Simulation,
-    limits: Limits,
-    settings: Settings,
-    options: Options,
-) -> Resolution:
+def _certified(found: Resolution, source: RecordSource, inquiry: Inquiry) -> Resolution:
     """Certify on a fresh record, whose excitation was chosen by chance; it can withdraw a name."""
     diagnosis = found.last.diagnosis
     if not transferable(diagnosis.final.extended):
         return found
-    design = source.design(
-        CERTIFICATE,
-        found.last.records,
-        partial(fresh_design, found.last, limits, settings, options),
-    )
+    make = partial(fresh_design, found.last, inquiry)
+    design = source.design(CERTIFICATE, found.last.records, make)
     if design is None:
         return replace(found, halted=f"The name is not certified: {_NOWHERE}")
     record = source.record(CERTIFICATE, design.u)
     if record is None:
         return replace(found, pending=CERTIFICATE)
-    other = {"fresh": signals_of(record, simulation)}
+    other = {"fresh": signals_of(record, inquiry.simulation)}
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
     if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
         last = found.rounds[-1]

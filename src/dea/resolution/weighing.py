@@ -20,11 +20,10 @@ from dea.discrepancy import (
 from dea.errors import InputError
 from dea.resolution.error import Error
 from dea.resolution.explanation import NONE, Explanation, explained
-from dea.resolution.knowledge import ANOTHER, WITHOUT_NAME, Knowledge, Options
+from dea.resolution.knowledge import ANOTHER, WITHOUT_NAME, Inquiry, Knowledge, Options
 from dea.resolution.law_error import Errors, LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.prediction import predicted
-from dea.simulation import Simulation
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,13 +37,7 @@ _EQUAL = 0.2
 _TO_NEW = 0.5
 
 
-def begun(
-    records: "Sequence[Record | xr.Dataset]",
-    simulation: Simulation,
-    settings: Settings,
-    options: Options,
-    workers: int,
-) -> Knowledge:
+def begun(records: "Sequence[Record | xr.Dataset]", inquiry: Inquiry) -> Knowledge:
     """Return what is known before any designed record: the diagnosis gives hypotheses and prior.
 
     Raises
@@ -52,6 +45,7 @@ def begun(
     InputError
         If the simulation has several inputs, as well as for what the diagnosis refuses.
     """
+    simulation = inquiry.simulation
     if len(simulation.inputs) > 1:
         raise InputError(
             "further records can be designed for one input only, and it has"
@@ -60,22 +54,18 @@ def begun(
             field="input_name",
             remedy="Diagnose its records together, under `records:` of the case",
         )
-    found = diagnose(records, simulation, settings=settings, workers=workers)
+    found = diagnose(records, simulation, settings=inquiry.settings, workers=inquiry.workers)
     explanations = _explanations(found)
-    prior = _prior(_shares(found), list(explanations), options.another)
+    prior = _prior(_shares(found), list(explanations), inquiry.options.another)
     return Knowledge(tuple(records), found, explanations, Posterior.of(prior), _law_error(found))
 
 
 def learnt(
-    known: Knowledge,
-    record: "Record | xr.Dataset",
-    simulation: Simulation,
-    settings: Settings,
-    options: Options,
-    workers: int,
+    known: Knowledge, record: "Record | xr.Dataset", inquiry: Inquiry
 ) -> tuple[Knowledge, dict[str, float]]:
     """Return what is known after a further record, and the density that each hypothesis gave it."""
-    samples = signals_of(record, simulation)
+    settings, options = inquiry.settings, inquiry.options
+    samples = signals_of(record, inquiry.simulation)
     error, beyond = _errors_on(known, samples)
     told = {name: predicted(each, samples, error) for name, each in known.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
@@ -83,7 +73,7 @@ def learnt(
     posterior = known.posterior.after(log_densities)
     records = (*known.records, record)
     offered = replace(settings, effects=_offered(known, posterior, settings, options))
-    found = diagnose(records, simulation, settings=offered, workers=workers)
+    found = diagnose(records, inquiry.simulation, settings=offered, workers=inquiry.workers)
     fitted = _explanations(found)
     shares = _shares(found)
     new = {name: shares.get(name, 0.0) for name in fitted if name not in posterior.now}
