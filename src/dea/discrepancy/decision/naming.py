@@ -80,7 +80,11 @@ def _beside_rivals(
     proven: Sequence[Candidate],
     weighed: Presence,
 ) -> Decision:
-    """Name what a larger set shares with its rivals, or the part of it that is certain."""
+    """Name what a larger set shares with its rivals, or the part of it that is certain.
+
+    Otherwise several are left. What the evidence excludes does not lead where another one is
+    closer to the record.
+    """
     if len(chosen.names) > 1:
         shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
         for candidate in proven:
@@ -97,7 +101,12 @@ def _beside_rivals(
         part = certain_part(evidence, pool, weighed)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
-    return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
+    leading = chosen
+    if weighed.least_of(chosen) < 1.0 - evidence.rules.certain:
+        closer = (rival for rival in rivals if rival.error <= chosen.error)
+        leading = max((chosen, *closer), key=weighed.least_of)
+    others = tuple(c for c in (chosen, *rivals) if c is not leading)
+    return Decision(Status.AMBIGUOUS, leading, others, Reason.RIVAL)
 
 
 def _stands_alone(
