@@ -8,6 +8,7 @@ from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.hidden.forms.kernels import bent_above, command_curve
+from dea.plant.hidden.forms.limiters import overmodulated_bridge, programme_limiter
 from dea.plant.signal_law import SignalLaw
 
 
@@ -142,6 +143,54 @@ def square_law_foot(size: float, conditions: Conditions, rng: Generator) -> Buil
     top = float(drawn(np.array([conditions.high]))[0])
     law = command_curve(lambda u: drawn(u) * conditions.high / top, conditions)
     return Built(law, {"threshold": threshold})
+
+
+@reporting("Stepanoff, Centrifugal and Axial Flow Pumps (1957): a pump against a static head")
+def static_head(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """No flow q until the speed u holds the head of the threshold; above it u² - b u q - q² does.
+
+    The droop b is 0.1 to 0.5, so that the flow rises at once and then ever less.
+    """
+    threshold, _ = _threshold(size, conditions)
+    droop = rng.uniform(0.1, 0.5)
+
+    def flow(u: Array) -> Array:
+        excess = np.maximum(u * u - threshold * threshold, 0.0)
+        value: Array = 0.5 * (np.sqrt((droop * u) ** 2 + 4.0 * excess) - droop * u)
+        return value
+
+    top = float(flow(np.array([conditions.high]))[0])
+    law = command_curve(lambda u: flow(u) * conditions.high / top, conditions)
+    return Built(law, {"threshold": threshold})
+
+
+@njit(cache=True)
+def _gelled(c: Array, m: Array, u: Array) -> None:
+    """Pass c[4] times what exceeds a yield stress from c[0] to c[0] + c[1]; m: share that is gel.
+
+    In a sub-step c[2] of what is broken gels, and c[3] times the flow of the gel breaks.
+    """
+    for k in range(u.shape[0]):
+        u[k] = c[4] * max(u[k] - c[0] - c[1] * m[0], 0.0)
+        m[0] += c[2] * (1.0 - m[0]) - c[3] * u[k] * m[0]
+
+
+@reporting(
+    "Moore, Trans. Br. Ceram. Soc. 58 (1959) 470: a paste that gels at rest and thins in flow"
+)
+def gelling_paste(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A threshold that falls to 0.5 to 0.8 while there is flow, and comes back at rest.
+
+    It gels within 1 to 4 band periods, and the largest flow breaks it ten times as fast.
+    """
+    threshold, _ = _threshold(size, conditions)
+    least = threshold * rng.uniform(0.5, 0.8)
+    gelled = SUBSTEP / (conditions.time * rng.uniform(1.0, 4.0))
+    constants = [
+        least, threshold - least, gelled, 10.0 * gelled / conditions.high,
+        conditions.high / (conditions.high - least),
+    ]  # fmt: skip
+    return Built(SignalLaw(_gelled, constants, [1.0]), {})
 
 
 def _ceiling(size: float, conditions: Conditions) -> float:
@@ -283,11 +332,12 @@ EFFECTS = (
     EffectKind(
         "dead_zone", Port.INPUT, 0.04, 0.5, "1",
         (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, cracking_valve,
-         glow_lamp, diode_drop, square_law_foot),
+         glow_lamp, diode_drop, square_law_foot, static_head, gelling_paste),
     ),
     EffectKind(
         "input_saturation", Port.INPUT, 0.02, 0.45, "1",
         (parabolic_shoulder, residual_gain, solid_state_amplifier, sagging_rail, peak_limiter,
-         magnetic_core, stored_charge, error_integral, falling_tube),
+         magnetic_core, stored_charge, error_integral, falling_tube, overmodulated_bridge,
+         programme_limiter),
     ),
 )  # fmt: skip

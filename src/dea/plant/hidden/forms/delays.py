@@ -212,10 +212,75 @@ def dispersed_plug_flow(size: float, conditions: Conditions, rng: Generator) -> 
     return Built(cascade(np.full(tanks, mean / tanks)), {"delay": mean})
 
 
+@reporting("Schlichting, Boundary-Layer Theory (1979): turbulent flow in a pipe, a power of 1/7")
+def turbulent_pipe(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Twenty-four equal streams; their speed is a power 1/6 to 1/9 of the way from the wall."""
+    power = 1.0 / rng.uniform(6.0, 9.0)
+    wall = np.linspace(1.0, 0.0, 20_001)
+    # Of the flow between wall and axis, x^p (1 - x) dx, by parts.
+    beyond = wall ** (1.0 + power) / (1.0 + power) - wall ** (2.0 + power) / (2.0 + power)
+    carried = 1.0 - beyond / beyond[0]
+    speeds = np.interp((np.arange(24) + 0.5) / 24.0, carried, wall) ** power
+    times = size * conditions.time / speeds / np.mean(1.0 / speeds)
+    law, mean = _spread(np.ones(24), times)
+    return Built(law, {"delay": mean})
+
+
+@njit(cache=True)
+def _queued(c: Array, m: Array, u: Array) -> None:
+    """Hold the latest sample that has been served; one is taken every c[0] sub-steps.
+
+    c: besides, the sub-steps from taken to served, in turn; m: count, how many are served, the
+    value held and a ring of samples.
+    """
+    period, ring = int(c[0]), m.shape[0] - 3
+    for k in range(u.shape[0]):
+        count, served = int(m[0]), int(m[1])
+        if count == 0:
+            m[2] = u[0]
+        if count % period == 0:
+            m[3 + count // period % ring] = u[k]
+        while served * period <= count:
+            if served * period + c[1 + served % (c.shape[0] - 1)] > count:
+                break
+            m[2] = m[3 + served % ring]
+            served += 1
+        u[k] = m[2]
+        m[0], m[1] = count + 1, served
+
+
+def _age(period: int, late: Array) -> float:
+    """Return the mean age, in sub-steps, of what is held until the next sample is served."""
+    held = np.maximum(period + np.diff(late), 0.0)
+    age: float = held @ (late[:-1] + 0.5 * (held - 1.0)) / held.sum()
+    return age
+
+
+@reporting("Lindley, Proc. Camb. Philos. Soc. 48 (1952) 277: a queue with a single server")
+def queued_packets(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Samples that are held, and that wait for one another's service of random length.
+
+    The server is busy for 0.5 to 0.8 of the time; a delay of all makes up the mean.
+    """
+    mean = size * conditions.time / SUBSTEP
+    period = max(round(mean / rng.uniform(5.0, 10.0)), 1)
+    served = rng.exponential(period * rng.uniform(0.5, 0.8), 2000)
+    late = np.zeros(2000)
+    wait = 0.0
+    for k in range(late.size):
+        late[k] = wait + served[k]
+        wait = max(late[k] - period, 0.0)
+    late = np.maximum(np.rint(late + max(mean - _age(period, late), 0.0)), 1.0)
+    ring = 2 + int(late.max()) // period
+    law = SignalLaw(_queued, np.append(period, late), np.zeros(3 + ring))
+    return Built(law, {})
+
+
 EFFECTS = (
     EffectKind(
         "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
         (pure_delay, sampled_and_held, laminar_tube, reflecting_line, bucket_brigade,
-         joined_samples, loaded_line, coaxial_cable, jittered_delay, dispersed_plug_flow),
+         joined_samples, loaded_line, coaxial_cable, jittered_delay, dispersed_plug_flow,
+         turbulent_pipe, queued_packets),
     ),
 )  # fmt: skip

@@ -124,10 +124,44 @@ def curie_von_schweidler(size: float, conditions: Conditions, rng: Generator) ->
     return Built(parallel(1.0, weights, times, settled=False), {})
 
 
+@njit(cache=True)
+def _recombined(c: Array, m: Array, u: Array) -> None:
+    """Ions that the field frees and that meet in pairs; m: their number, which screens the field.
+
+    c: screening voltage of one, share of a sub-step, ceiling.
+    """
+    for k in range(u.shape[0]):
+        field = max(u[k] - c[0] * m[0], 0.0)
+        m[0] += c[1] * (field / c[2] - m[0] * m[0])
+        u[k] = field
+
+
+@reporting("Langevin, Ann. Chim. Phys. 28 (1903) 433: ions that meet in pairs")
+def recombining_ions(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Ions that come in proportion to the field, and go with the square of their number."""
+    time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
+    constants = [size * conditions.high, SUBSTEP / time, conditions.high]
+    return Built(SignalLaw(_recombined, constants), {})
+
+
+@reporting(
+    "Ho, Raistrick and Huggins, J. Electrochem. Soc. 127 (1980) 343: ions that diffuse into a layer"
+)
+def intercalating_ions(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """What a layer with a closed back has taken up: with the root of time, and then to an end.
+
+    The slowest of its twelve times is 2 to 20 band periods.
+    """
+    slowest = conditions.time * np.exp(rng.uniform(np.log(2.0), np.log(20.0)))
+    shares = (2.0 * np.arange(12) + 1.0) ** -2
+    return Built(parallel(1.0, -size * shares / shares.sum(), slowest * shares, settled=False), {})
+
+
 EFFECTS = (
     EffectKind(
         "charge_leakage", Port.INPUT, 0.005, 0.7, "1",
         (space_charge, schottky_emission, hopping, tunnelling, corona,
-         interfacial_polarisation, filling_traps, poole_frenkel, curie_von_schweidler),
+         interfacial_polarisation, filling_traps, poole_frenkel, curie_von_schweidler,
+         recombining_ions, intercalating_ions),
     ),
 )  # fmt: skip

@@ -232,10 +232,56 @@ def foldback_current(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(SignalLaw(_foldback, constants, [0.0, 0.0]), {"rate": rate})
 
 
+@njit(cache=True)
+def _saturable(c: Array, m: Array, u: Array) -> None:
+    """Follow at c[0] e/(c[1] + e) for an error e, by Euler's implicit rule; m: started, place."""
+    way, half = SUBSTEP * c[0], c[1]
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        rest = 0.5 * (half + way - abs(error))
+        left = np.sqrt(rest * rest + half * abs(error)) - rest
+        m[1] = u[k] - left * np.sign(error)
+        u[k] = m[1]
+
+
+@reporting("Michaelis and Menten, Biochem. Z. 49 (1913) 333: a carrier that saturates")
+def saturable_carrier(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A rate that is half its limit at an error of 0.01 to 0.04 of the range."""
+    rate = _rate(size, conditions)
+    half = rng.uniform(0.01, 0.04) * conditions.span
+    return Built(SignalLaw(_saturable, [rate, half], [0.0, 0.0]), {"rate": rate})
+
+
+@njit(cache=True)
+def _two_speeds(c: Array, m: Array, u: Array) -> None:
+    """Follow at c[0], and within c[2] of the target at c[1]; m: started, place."""
+    rate, slow, zone = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        most = SUBSTEP * (rate if abs(error) > zone else slow)
+        m[1] += min(max(error, -most), most)
+        u[k] = m[1]
+
+
+@reporting(
+    "Strakosch, Vertical Transportation: Elevators and Escalators (1967): a second, low speed"
+)
+def two_speed_lift(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A rate that is 3 to 8 times less within 0.02 to 0.08 of the range of the target."""
+    rate = _rate(size, conditions)
+    constants = [rate, rate / rng.uniform(3.0, 8.0), rng.uniform(0.02, 0.08) * conditions.span]
+    return Built(SignalLaw(_two_speeds, constants, [0.0, 0.0]), {"rate": rate})
+
+
 EFFECTS = (
     EffectKind(
         "slew_limit", Port.INPUT, 0.05, 6.0, "band periods per range",
         (differential_pair, trapezoidal_speed, class_a_follower, rate_limited_servo, stepping_motor,
-         smoothed_ramp, switched_motor, ringing_amplifier, orifice_flow, foldback_current),
+         smoothed_ramp, switched_motor, ringing_amplifier, orifice_flow, foldback_current,
+         saturable_carrier, two_speed_lift),
     ),
 )  # fmt: skip
