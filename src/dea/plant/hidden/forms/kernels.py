@@ -50,6 +50,13 @@ def reading_curve(function: Callable[[Array], Array], conditions: Conditions) ->
     return _curve(function, conditions.bottom - reach, conditions.top + reach, output=True)
 
 
+def true_at_ends(signal: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
+    """Return the reading of a sensor's signal, scaled to be true at both ends of the travel."""
+    low, high = signal(np.array([conditions.bottom, conditions.top]))
+    scale = conditions.travel / (high - low)
+    return reading_curve(lambda y: conditions.bottom + scale * (signal(y) - low), conditions)
+
+
 def bent_above(knee: float, bend: Callable[[Array], Array]) -> Callable[[Array], Array]:
     """Return the curve that changes nothing up to a knee, and is ``bend(d)`` above it at d over."""
     return lambda x: np.minimum(x, knee) + bend(np.maximum(x - knee, 0.0))

@@ -7,7 +7,9 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.electrode_lags import stray_capacity, warming_composite
 from dea.plant.hidden.forms.kernels import cascade, parallel
+from dea.plant.hidden.forms.sensor_lags import digital_voltmeter, still_air
 from dea.plant.signal_law import SignalLaw
 
 
@@ -401,11 +403,13 @@ EFFECTS = (
     EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
         (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor,
-         tunnelling_contacts, davidson_cole, vacuum_tubes, cole_cole, stretched_electrode),
+         tunnelling_contacts, davidson_cole, vacuum_tubes, cole_cole, stretched_electrode,
+         stray_capacity, warming_composite),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
         (seismic_element, integrating_converter, bare_thermometer, buried_sensor, thermistor_bead,
-         cup_anemometer, comb_filter, photoconductive_cell, bessel_filter, sheathed_probe),
+         cup_anemometer, comb_filter, photoconductive_cell, bessel_filter, sheathed_probe,
+         still_air, digital_voltmeter),
     ),
 )  # fmt: skip

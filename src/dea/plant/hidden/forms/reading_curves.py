@@ -1,7 +1,5 @@
 """Curves of the reading: saturations of the output and bent sensors."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numba import njit
 from numpy.random import Generator
@@ -9,7 +7,9 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
-from dea.plant.hidden.forms.kernels import bent_above, reading_curve
+from dea.plant.hidden.forms.gauges import hot_wire, tank_gauge
+from dea.plant.hidden.forms.kernels import bent_above, reading_curve, true_at_ends
+from dea.plant.hidden.forms.limiters import limiting_stages, rippled_limit
 from dea.plant.signal_law import SignalLaw
 
 
@@ -177,13 +177,6 @@ def loaded_potentiometer(size: float, conditions: Conditions, rng: Generator) ->
     return Built(reading_curve(loaded, conditions), {})
 
 
-def _true_at_ends(signal: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
-    """Return the reading of a sensor's signal, scaled to be true at both ends of the travel."""
-    low, high = signal(np.array([conditions.bottom, conditions.top]))
-    scale = conditions.travel / (high - low)
-    return reading_curve(lambda y: conditions.bottom + scale * (signal(y) - low), conditions)
-
-
 @tuning("Doebelin, Measurement Systems (2003): a calibration curve, here of a cable at an angle")
 def oblique_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The length of a cable from a point two ``size`` travels beside the line of the motion."""
@@ -194,7 +187,7 @@ def oblique_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
         value: Array = np.hypot(y - foot, beside)
         return value
 
-    return Built(_true_at_ends(length, conditions), {})
+    return Built(true_at_ends(length, conditions), {})
 
 
 @tuning("Furlani, Permanent Magnet and Electromechanical Devices (2001): a magnet's axial field")
@@ -208,7 +201,7 @@ def approached_magnet(size: float, conditions: Conditions, rng: Generator) -> Bu
         value: Array = (z + length) / np.hypot(z + length, radius) - z / np.hypot(z, radius)
         return value
 
-    return Built(_true_at_ends(field, conditions), {})
+    return Built(true_at_ends(field, conditions), {})
 
 
 @tuning("Kester, The Data Conversion Handbook (2005): the nonlinearity of a segmented converter")
@@ -284,7 +277,7 @@ def light_probe(size: float, conditions: Conditions, rng: Generator) -> Built:
         value: Array = np.maximum(1.0 + away / nearest, 0.2) ** -2.0
         return value
 
-    return Built(_true_at_ends(light, conditions), {})
+    return Built(true_at_ends(light, conditions), {})
 
 
 @tuning("Suzaki and Tachibana, Appl. Opt. 14 (1975) 2809: a knife-edge across a Gaussian beam")
@@ -294,7 +287,7 @@ def knife_edge(size: float, conditions: Conditions, rng: Generator) -> Built:
 
     steep, centre = 1.2 * min(size, 1.25), rng.uniform(-0.4, 0.4)
     return Built(
-        _true_at_ends(lambda y: erf(steep * (_place(y, conditions) - centre)), conditions), {}
+        true_at_ends(lambda y: erf(steep * (_place(y, conditions) - centre)), conditions), {}
     )
 
 
@@ -343,12 +336,14 @@ EFFECTS = (
     EffectKind(
         "output_saturation", Port.OUTPUT, 0.02, 0.7, "1",
         (hyperbolic_rail, leaking_rail, overloaded_converter, paralysed_counter, overload_recovery,
-         logarithmic_pixel, blocking_grid, exponential_rail, arctangent_rail),
+         logarithmic_pixel, blocking_grid, exponential_rail, arctangent_rail, limiting_stages,
+         rippled_limit),
     ),
     EffectKind(
         "sensor_nonlinearity", Port.OUTPUT, 0.005, 1.5, "1",
         (calibration_polynomial, interpolation_error, loaded_potentiometer, oblique_cable,
          approached_magnet, segmented_converter, mismatched_bits, optical_lever, uneven_track,
-         light_probe, knife_edge, unbalanced_bridge, lever_angle, exponential_element),
+         light_probe, knife_edge, unbalanced_bridge, lever_angle, exponential_element,
+         hot_wire, tank_gauge),
     ),
 )  # fmt: skip
