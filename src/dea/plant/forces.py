@@ -16,26 +16,35 @@ from dea.arrays import Array
 from dea.plant.array import Values
 from dea.plant.force_laws.contact import (
     air_cushion,
+    carry_creeping,
     cone_stop,
+    creeping_stop,
     dented_stop,
     disc_stop,
     hertz_stop,
     padded_stop,
     rubber_stop,
     stepped_stop,
+    wedge_stop,
 )
 from dea.plant.force_laws.damage import (
+    carry_filler,
     carry_strain_work,
     carry_swings,
     count_reversals,
     crack_loss,
     cycle_damage,
+    filler_loss,
     miner_loss,
     pseudo_elastic_loss,
     two_damages,
     work_damage,
 )
-from dea.plant.force_laws.damping import drag_force, pumped_force
+from dea.plant.force_laws.damping import (
+    drag_force,
+    pumped_force,
+    tapered_force,
+)
 from dea.plant.force_laws.elastic import (
     cable_force,
     chain_force,
@@ -45,9 +54,11 @@ from dea.plant.force_laws.elastic import (
     fung_force,
     gent_force,
     guided_force,
+    nested_force,
     power_force,
     snap_force,
     toe_force,
+    worm_force,
 )
 from dea.plant.force_laws.friction import (
     ageing_friction,
@@ -55,9 +66,12 @@ from dea.plant.force_laws.friction import (
     belt_friction,
     bristle_force,
     carry_age,
+    carry_bonds,
     carry_bristle,
     carry_dahl,
+    carry_heat,
     composite_friction,
+    fading_friction,
     lorentzian_friction,
     running_in_friction,
     stribeck_friction,
@@ -68,7 +82,9 @@ from dea.plant.force_laws.hysteresis import (
     carry_duhem,
     carry_flag,
     carry_joint,
+    carry_leaves,
     carry_magnet,
+    carry_peaks,
     carry_sliders,
     masing_force,
     note_reversals,
@@ -76,6 +92,8 @@ from dea.plant.force_laws.hysteresis import (
     sliders_force,
 )
 from dea.plant.force_laws.in_time import (
+    carry_reduced_time,
+    carry_relaxing,
     dashpot_in_time,
     force_in_time,
     pulse_train,
@@ -84,19 +102,25 @@ from dea.plant.force_laws.in_time import (
 from dea.plant.force_laws.mode import (
     carry_column,
     carry_mode,
+    carry_rubbing,
     carry_series,
+    carry_three_elements,
     carry_twins,
     column_force,
     mode_force,
+    rubbing_force,
     series_force,
+    three_elements_force,
     twin_force,
 )
 from dea.plant.force_laws.viscoelastic import (
     carry_eyring,
+    carry_free_volume,
     carry_norton,
     carry_quasi_linear,
     carry_reptation,
     carry_spectrum,
+    free_volume_force,
     quasi_linear_force,
     spectrum_force,
 )
@@ -162,7 +186,22 @@ WIDTH = 64  # length of a row of constants or memory
     GUIDED,
     DASHPOT_COURSE,
     JOINT,
-) = range(58)
+    FREE_VOLUME,
+    RELAXING,
+    REDUCED_TIME,
+    LEAVES,
+    PEAKS,
+    BONDS,
+    FADING,
+    NESTED,
+    WORM,
+    FILLER,
+    RUBBING,
+    THREE_ELEMENTS,
+    WEDGES,
+    CREEPING,
+    TAPERED,
+) = range(73)
 
 
 class Forces(NamedTuple):
@@ -206,7 +245,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += preisach_force(c, m, y)
         elif kind == BOUC_WEN:
             total += c[0] * m[0]
-        elif kind in (DUHEM, DAHL, FLAG):
+        elif kind in (DUHEM, DAHL, FLAG, LEAVES, PEAKS, BONDS):
             total += m[0]
         elif kind == LUGRE:
             total += bristle_force(c, m, v)
@@ -304,6 +343,28 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += dashpot_in_time(c, m, v)
         elif kind == JOINT:
             total -= c[0] * m[1]
+        elif kind == FREE_VOLUME:
+            total += free_volume_force(c, m, y)
+        elif kind in (RELAXING, REDUCED_TIME):
+            total -= c[0] * y * m[1]
+        elif kind == FADING:
+            total += fading_friction(c, m, v)
+        elif kind == NESTED:
+            total += nested_force(c, y)
+        elif kind == WORM:
+            total += worm_force(c, y)
+        elif kind == FILLER:
+            total -= c[0] * y * filler_loss(c, m)
+        elif kind == RUBBING:
+            total += rubbing_force(c, m, y, v)
+        elif kind == THREE_ELEMENTS:
+            total += three_elements_force(c, m, y)
+        elif kind == WEDGES:
+            total += wedge_stop(c, m, y)
+        elif kind == CREEPING:
+            total += creeping_stop(c, m, y)
+        elif kind == TAPERED:
+            total += tapered_force(c, y, v)
     return total
 
 
@@ -368,3 +429,27 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_strain_work(c, m, y)
         elif kind == JOINT:
             carry_joint(c, m, y, dt)
+        elif kind == FREE_VOLUME:
+            carry_free_volume(c, m, y)
+        elif kind == RELAXING:
+            carry_relaxing(c, m, dt)
+        elif kind == REDUCED_TIME:
+            carry_reduced_time(c, m, dt)
+        elif kind == LEAVES:
+            carry_leaves(c, m, y)
+        elif kind == PEAKS:
+            carry_peaks(c, m, y)
+        elif kind == BONDS:
+            carry_bonds(c, m, y)
+        elif kind == FADING:
+            carry_heat(c, m, v, dt)
+        elif kind == FILLER:
+            carry_filler(c, m, v, dt)
+        elif kind == RUBBING:
+            carry_rubbing(c, m, y, v, dt)
+        elif kind == THREE_ELEMENTS:
+            carry_three_elements(c, m, y, v, dt)
+        elif kind == WEDGES:
+            m[0], m[1] = wedge_stop(c, m, y), y
+        elif kind == CREEPING:
+            carry_creeping(c, m, y)

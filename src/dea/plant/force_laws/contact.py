@@ -94,3 +94,32 @@ def dented_stop(c: Array, m: Array, y: float) -> float:
     back = c[2] * depth - (c[2] - 1.0) * m[0]
     value: float = c[0] * max(min(depth, back), 0.0)
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def wedge_stop(c: Array, m: Array, y: float) -> float:
+    """Return a stop c[0] whose force falls to a share c[2] on the way back, c[3] times as steeply.
+
+    V. K. Garg and R. V. Dukkipati, Dynamics of Railway Vehicle Systems, 1984. m: latest force and
+    place.
+    """
+    push = c[0] * max(y - c[1], 0.0)
+    value: float = min(max(m[0] + c[3] * c[0] * (y - m[1]), c[2] * push), push)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def creeping_stop(c: Array, m: Array, y: float) -> float:
+    """Return a spring c[0], beside it a spring c[2] on a dashpot that has given way by m[0].
+
+    W. Flügge, Viscoelasticity, 1975. It never pulls.
+    """
+    depth = max(y - c[1], 0.0)
+    value: float = max(c[0] * depth + c[2] * (depth - m[0]), 0.0) if depth > 0.0 else 0.0
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_creeping(c: Array, m: Array, y: float) -> None:
+    """Relax the dashpot by a share c[3] of what is left."""
+    m[0] += c[3] * (max(y - c[1], 0.0) - m[0])

@@ -7,7 +7,7 @@ from numba import njit
 
 from dea.arrays import Array
 
-POWER, LOGARITHM, SATURATING, STAGES = range(4)
+POWER, LOGARITHM, SATURATING, STAGES, WEIBULL = range(5)
 
 
 @njit(cache=True, error_model="numpy")
@@ -32,7 +32,8 @@ def cycle_damage(c: Array, m: Array) -> float:
     c[6] is the shape: POWER, c[3] of the cycles (O. H. Basquin, Proc. ASTM 10 (1910) 625);
     LOGARITHM; SATURATING, exponentially with c[3] time constants in c[2] cycles (J. Lemaitre and
     J.-L. Chaboche, Mechanics of Solid Materials, 1990); STAGES, c[3] for a share c[7] and c[8] for
-    the rest (H. Mao and S. Mahadevan, Compos. Struct. 58 (2002) 405).
+    the rest (H. Mao and S. Mahadevan, Compos. Struct. 58 (2002) 405); WEIBULL, as 1 - exp(-n^c[3])
+    for n cycles over a share c[7] of c[2] (W. Weibull, J. Appl. Mech. 18 (1951) 293).
     """
     cycles = m[0] / c[2]
     lost = 0.0
@@ -44,6 +45,8 @@ def cycle_damage(c: Array, m: Array) -> float:
         lost = np.expm1(-c[3] * cycles) / np.expm1(-c[3])
     elif c[6] == STAGES:
         lost = c[7] * cycles ** c[3] + (1.0 - c[7]) * cycles ** c[8]
+    elif c[6] == WEIBULL:
+        lost = np.expm1(-((cycles / c[7]) ** c[3])) / np.expm1(-(c[7] ** -c[3]))
     value: float = min(c[1] * lost, 0.9)
     return value
 
@@ -124,4 +127,22 @@ def two_damages(c: Array, m: Array) -> float:
     """
     lost = -c[1] * np.expm1(-m[0] / c[2]) - c[3] * np.expm1(-m[1] / c[4])
     value: float = min(lost, 0.9)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_filler(c: Array, m: Array, v: float, dt: float) -> None:
+    """Carry the share m[0] of contacts that a path c[2] breaks, and that join again in c[3] s.
+
+    G. Kraus, J. Appl. Polym. Sci. Appl. Polym. Symp. 39 (1984) 75; exactly at a held speed.
+    """
+    breaking, joining = abs(v) / c[2], 1.0 / c[3]
+    both = breaking + joining
+    m[0] -= np.expm1(-both * dt) * (breaking / both - m[0])
+
+
+@njit(cache=True, error_model="numpy")
+def filler_loss(c: Array, m: Array) -> float:
+    """Return the share of the stiffness lost, c[1] where every contact is broken."""
+    value: float = min(c[1] * m[0], 0.9)
     return value

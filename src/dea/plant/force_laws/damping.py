@@ -21,3 +21,14 @@ def pumped_force(c: Array, m: Array, y: float) -> float:
     """
     force: float = c[0] * (y - c[1]) * np.sin(2.0 * np.pi * c[2] * m[0] + c[3])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def tapered_force(c: Array, y: float, v: float) -> float:
+    """Return a dashpot c[0] times a power c[3] of (y - c[1])/c[2], which is from 0 to 1.2.
+
+    C. M. Harris and C. E. Crede, Shock and Vibration Handbook, 1961: a pin in an orifice.
+    """
+    place = min(max((y - c[1]) / c[2], 0.0), 1.2)
+    force: float = c[0] * place ** c[3] * v
+    return force

@@ -148,3 +148,28 @@ def guided_force(c: Array, y: float) -> float:
     added = room**-0.5 - inside + (x - inside) * (room**-1.5 - 1.0)
     force: float = c[0] * added
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def nested_force(c: Array, y: float) -> float:
+    """Return the force of three springs c[0] from the places c[1:4] on: A. M. Wahl, 1963."""
+    force = 0.0
+    for i in range(1, 4):
+        force += c[0] * max(y - c[i], 0.0)
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def worm_force(c: Array, y: float) -> float:
+    """Return c[0] (1/(1 - x)² - 1 - 2x) for x = (y - c[2])/c[1] > 0, and a line beyond 0.95.
+
+    J. F. Marko and E. D. Siggia, Macromolecules 28 (1995) 8759: four times the interpolated force
+    of a chain, less its first stiffness.
+    """
+    x = max(y - c[2], 0.0) / c[1]
+    inside = min(x, 0.95)
+    left = 1.0 / (1.0 - inside)
+    force: float = c[0] * (
+        left * left - 1.0 - 2.0 * inside + (x - inside) * 2.0 * (left * left * left - 1.0)
+    )
+    return force

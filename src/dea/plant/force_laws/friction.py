@@ -135,3 +135,37 @@ def uneven_friction(c: Array, y: float, v: float) -> float:
     uneven = 1.0 + c[1] * np.sin(2.0 * np.pi * y / c[2] + c[3])
     force: float = c[0] * uneven * v / np.hypot(v, c[4])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_bonds(c: Array, m: Array, y: float) -> None:
+    """Carry bonds of stiffness c[0] that break at the force c[2], and then slide with c[1].
+
+    D. A. Haessig and B. Friedland, J. Dyn. Syst. Meas. Control 113 (1991) 354. m: force, latest
+    place, and the side that it slides to, 0 where the bonds hold.
+    """
+    step = y - m[1]
+    m[1] = y
+    if m[2] * step > 0.0:
+        return
+    if step != 0.0:
+        m[0], m[2] = m[0] + c[0] * step, 0.0
+    if abs(m[0]) >= c[2]:
+        m[2] = np.sign(m[0])
+        m[0] = c[1] * m[2]
+
+
+@njit(cache=True, error_model="numpy")
+def fading_friction(c: Array, m: Array, v: float) -> float:
+    """Return friction c[0] that loses c[1] h/(1 + h) when it is hot by h = m[0].
+
+    T. P. Newcomb and R. T. Spurr, Braking of Road Vehicles, 1967. c[4]: speed of regularisation.
+    """
+    force: float = c[0] * (1.0 - c[1] * m[0] / (1.0 + m[0])) * v / np.hypot(v, c[4])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_heat(c: Array, m: Array, v: float, dt: float) -> None:
+    """Carry the heat, which is 1 after long at the speed c[3] and cools in c[2] s."""
+    m[0] -= np.expm1(-dt / c[2]) * (abs(v) / c[3] - m[0])

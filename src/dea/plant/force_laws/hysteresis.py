@@ -218,3 +218,39 @@ def carry_flag(c: Array, m: Array, y: float) -> None:
     force = m[0] + c[0] * (d - before)
     m[0] = min(max(force, _flag_edge(c, d, (1.0 - c[3]) * c[1])), _flag_edge(c, d, c[1]))
     m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def carry_leaves(c: Array, m: Array, y: float) -> None:
+    """Carry the force of leaf springs, towards 1 + c[1] (upwards) or 1 - c[1] times a line.
+
+    P. S. Fancher et al., SAE Paper 800905, 1980: exponentially over c[2], by the midpoint of the
+    line, of stiffness c[0] from the place c[3] on. m: force and latest place.
+    """
+    step = y - m[1]
+    line = c[0] * max(0.5 * (y + m[1]) - c[3], 0.0) * (1.0 + c[1] * np.sign(step))
+    m[0] -= np.expm1(-abs(step) / c[2]) * (line - m[0])
+    m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def carry_peaks(c: Array, m: Array, y: float) -> None:
+    """Carry a force that unloads with c[0] and heads for the farthest place on the other side.
+
+    T. Takeda et al., J. Struct. Div. ASCE 96 (1970) 2557. It yields at c[1] from the place c[3],
+    with a share c[2] of its stiffness left. m: force, latest place, farthest upwards, downwards.
+    """
+    side = np.sign(y - m[1])
+    way, force, place = abs(y - m[1]), side * m[0], side * (y - c[3])
+    if force < 0.0:
+        unloaded = min(way, -force / c[0])
+        force += c[0] * unloaded
+        way -= unloaded
+    peak = 2 if side > 0.0 else 3
+    far = max(m[peak], c[1])
+    if way > 0.0 and place >= far:
+        force, m[peak] = c[0] * (c[1] + c[2] * (place - c[1])), place
+    elif way > 0.0:
+        aim = c[0] * (c[1] + c[2] * (far - c[1]))
+        force += way * min((aim - force) / (far - place + way), c[0])
+    m[0], m[1] = side * force if side != 0.0 else m[0], y

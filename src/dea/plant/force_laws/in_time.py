@@ -85,3 +85,28 @@ def dashpot_in_time(c: Array, m: Array, v: float) -> float:
     """Return the force of a dashpot c[0] that comes with time."""
     value: float = c[0] * v * course(c[1], c[2], c[3], m[0])
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_relaxing(c: Array, m: Array, dt: float) -> None:
+    """Carry the share m[1] lost by c[1] elements; (weight, time constant) pairs follow; m[0]: time.
+
+    R. C. Koeller, J. Appl. Mech. 51 (1984) 299: by the spectrum of Mittag-Leffler's function.
+    """
+    m[0] += dt
+    lost = 0.0
+    for i in range(int(c[1])):
+        lost -= c[2 + 2 * i] * np.expm1(-m[0] / c[3 + 2 * i])
+    m[1] = lost
+
+
+@njit(cache=True, error_model="numpy")
+def carry_reduced_time(c: Array, m: Array, dt: float) -> None:
+    """Carry the share m[1] lost exponentially, c[1] s, by a clock whose rate swings; m[0]: time.
+
+    L. W. Morland and E. H. Lee, Trans. Soc. Rheol. 4 (1960) 233. The rate is
+    1 + c[4] sin(c[2] t + c[3]).
+    """
+    m[0] += dt
+    reduced = m[0] + c[4] / c[2] * (np.cos(c[3]) - np.cos(c[2] * m[0] + c[3]))
+    m[1] = -np.expm1(-reduced / c[1])

@@ -116,3 +116,46 @@ def carry_series(c: Array, m: Array, y: float, v: float, dt: float) -> None:
         pulled = between / c[3]
         m[0], m[2] = place + ahead * m[1], carried + ahead * m[3]
         m[1], m[3] = speed + ahead * push, its_speed + ahead * pulled
+
+
+@njit(cache=True, error_model="numpy")
+def rubbing_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of a mass c[0] on a spring c[1] and a dashpot c[2], with friction c[3].
+
+    F. Ricciardelli and B. J. Vickery, Earthq. Eng. Struct. Dyn. 28 (1999) 685. c[4]: speed of
+    regularisation; m: place and velocity of the mass.
+    """
+    w = v - m[1]
+    value: float = c[1] * (y - m[0]) + c[2] * w + c[3] * w / np.hypot(w, c[4])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_rubbing(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry the mass over a sub-step."""
+    place, speed = m[0], m[1]
+    for ahead in (0.5 * dt, dt):
+        push = rubbing_force(c, m, y, v) / c[0]
+        m[0], m[1] = place + ahead * m[1], speed + ahead * push
+
+
+@njit(cache=True, error_model="numpy")
+def three_elements_force(c: Array, m: Array, y: float) -> float:
+    """Return the force of a mass c[0] on a spring c[1], beside it a spring c[2] on a dashpot c[3].
+
+    T. Asami and O. Nishihara, J. Vib. Acoust. 121 (1999) 334. m: place and velocity of the mass,
+    and how far the dashpot has given way.
+    """
+    stretch = y - m[0]
+    value: float = c[1] * stretch + c[2] * (stretch - m[2])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_three_elements(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry mass and dashpot over a sub-step."""
+    place, speed, given = m[0], m[1], m[2]
+    for ahead in (0.5 * dt, dt):
+        push = three_elements_force(c, m, y) / c[0]
+        giving = c[2] / c[3] * (y - m[0] - m[2])
+        m[0], m[1], m[2] = place + ahead * m[1], speed + ahead * push, given + ahead * giving

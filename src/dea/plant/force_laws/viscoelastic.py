@@ -84,3 +84,24 @@ def carry_reptation(c: Array, m: Array, y: float, dt: float) -> None:
     J. S. Bergström and M. C. Boyce, J. Mech. Phys. Solids 46 (1998) 931.
     """
     carry_norton(c, m, y, dt / (1.0 + abs(m[0] - c[5]) / c[4]))
+
+
+@njit(cache=True, error_model="numpy")
+def free_volume_force(c: Array, m: Array, y: float) -> float:
+    """Return the force of c[0] elements; (stiffness, share of a sub-step) pairs follow c[3]."""
+    force = 0.0
+    for i in range(int(c[0])):
+        force += c[4 + 2 * i] * (y - m[i])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_free_volume(c: Array, m: Array, y: float) -> None:
+    """Relax every element, exp(c[3] x/(1 + x)) times as quickly at a stretch x over c[1] from c[2].
+
+    W. G. Knauss and I. Emri, Polym. Eng. Sci. 27 (1987) 86, with Doolittle's free volume.
+    """
+    x = max(y - c[2], 0.0) / c[1]
+    quicker = np.exp(c[3] * x / (1.0 + x))
+    for i in range(int(c[0])):
+        m[i] -= np.expm1(-c[5 + 2 * i] * quicker) * (y - m[i])

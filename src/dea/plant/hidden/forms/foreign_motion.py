@@ -44,8 +44,20 @@ def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})
 
 
+@reporting("Harris and Crede, Shock and Vibration Handbook (1961): a tapered pin", moving=True)
+def tapered_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A dashpot that grows with a power of 2 to 4 of the place; at the top it is the largest.
+
+    One over the band it is ``size`` stiffnesses there.
+    """
+    dashpot = size * conditions.stiffness * conditions.time / (2.0 * np.pi)
+    constants = [dashpot, conditions.bottom, conditions.travel, rng.uniform(2.0, 4.0)]
+    return Built(ForceLaw(forces.TAPERED, constants), {})
+
+
 EFFECTS = (
     foreign(quadratic_drag, 0.001, 0.3),
     foreign(pumped_stiffness, 0.002, 0.8),
     foreign(bistable_snap, 0.005, 0.12),
+    foreign(tapered_dashpot, 0.02, 5.0),
 )

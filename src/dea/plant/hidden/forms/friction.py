@@ -123,10 +123,34 @@ def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.COMPOSITE, constants), {})
 
 
+@reporting("Haessig and Friedland, J. Dyn. Syst. Meas. Control 113 (1991) 354: bonds that break")
+def breaking_bonds(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Bonds that stretch by 0.3 to 2 hundredths of the travel, and hold again after every turn.
+
+    They break at 1.15 to 1.5 times the force of sliding.
+    """
+    sliding = conditions.device_forces(size)
+    stretch, excess = rng.uniform(0.003, 0.02) * conditions.travel, rng.uniform(0.15, 0.5)
+    constants = [sliding * (1.0 + excess) / stretch, sliding, sliding * (1.0 + excess)]
+    return Built(ForceLaw(forces.BONDS, constants, [0.0, conditions.rest]), {})
+
+
+@reporting("Newcomb and Spurr, Braking of Road Vehicles (1967): a brake that fades when it is hot")
+def fading_brake(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that its own heat lessens, by half of 0.5 to 0.9 at the mean speed for long.
+
+    It cools within 2 to 10 band periods.
+    """
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    cooling = rng.uniform(2.0, 10.0) * conditions.time
+    constants = [sliding, rng.uniform(0.5, 0.9), cooling, speed, 0.03 * speed]
+    return Built(ForceLaw(forces.FADING, constants), {})
+
+
 EFFECTS = (
     EffectKind(
         "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
         (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, hess_soom,
-         running_in, belt_around_post, uneven_gears, dahl, makkar),
+         running_in, belt_around_post, uneven_gears, dahl, makkar, breaking_bonds, fading_brake),
     ),
 )  # fmt: skip

@@ -10,6 +10,14 @@ from dea.plant.force_laws import damage, mode
 from dea.plant.force_laws.elastic import conical_force, fibre_force
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.structures import (
+    breaking_strands,
+    filler_network,
+    nested_springs,
+    rubbing_absorber,
+    three_elements,
+    worm_like_chain,
+)
 
 
 def _static(kind: int, constants: list[float]) -> Built:
@@ -318,16 +326,17 @@ EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
         (fung, ogden_term, demiray, recruited_fibres, taut_cables, tendon_toe,
-         conical_spring, guided_leaf, gent, langevin_chain),
+         conical_spring, guided_leaf, gent, langevin_chain, nested_springs, worm_like_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
         (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, three_stages,
-         endurance_limit, two_damages, damage_by_work, logarithm_of_cycles),
+         endurance_limit, two_damages, damage_by_work, logarithm_of_cycles, filler_network,
+         breaking_strands),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",
         (hardening_absorber, shared_damping, liquid_column, twin_masses, masses_in_series,
-         breathing_crack, grounded_damper, sloshing_pendulum),
+         breathing_crack, grounded_damper, sloshing_pendulum, rubbing_absorber, three_elements),
     ),
 )  # fmt: skip

@@ -9,6 +9,13 @@ from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.loops import cracked_concrete, leaf_spring
+from dea.plant.hidden.forms.relaxation import (
+    biphasic_layer,
+    fractional_maxwell,
+    free_volume,
+    swinging_temperature,
+)
 
 _TIMES = 0.03 * 10.0 ** (np.arange(18) / 3.0)  # of a spectrum, in band periods: three a decade
 
@@ -322,16 +329,19 @@ EFFECTS = (
     EffectKind(
         "viscoelastic_creep", Port.FORCE, 0.005, 1.5, "stiffnesses",
         (spring_pot, stretched_exponential, standard_linear_solid, norton_dashpot, quasi_linear,
-         fractional_zener, bergstrom_boyce, logarithmic_creep, activated_dashpot),
+         fractional_zener, bergstrom_boyce, logarithmic_creep, activated_dashpot, biphasic_layer,
+         free_volume),
     ),
     EffectKind(
         "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
         (power_relaxation, two_times, maxwell_relaxation, draining_gel, stretched_relaxation,
-         inhibited_oxidation, logarithmic_relaxation, hyperbolic_relaxation),
+         inhibited_oxidation, logarithmic_relaxation, hyperbolic_relaxation, fractional_maxwell,
+         swinging_temperature),
     ),
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
         (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, ramberg_osgood,
-         flag_loops, bolted_joint, jiles_atherton, preisach_product, coleman_hodgdon),
+         flag_loops, bolted_joint, jiles_atherton, preisach_product, coleman_hodgdon, leaf_spring,
+         cracked_concrete),
     ),
 )  # fmt: skip

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.random import Generator
 
 from dea.plant import forces
+from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 
@@ -81,10 +82,28 @@ def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _stopped(forces.CUSHION, size, conditions, stiffness, length)
 
 
+@reporting("Garg and Dukkipati, Dynamics of Railway Vehicle Systems (1984): a buffer of wedges")
+def friction_buffer(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A stop of 8 to 25 device stiffnesses; on the way back it pushes with 0.2 to 0.5 of that."""
+    stiffness, kept = rng.uniform(8.0, 25.0) * conditions.stiffness, rng.uniform(0.2, 0.5)
+    return _stopped(forces.WEDGES, size, conditions, stiffness, kept, 3.0)
+
+
+@reporting("Flügge, Viscoelasticity (1975): a standard solid, here a pad that gives way with time")
+def creeping_pad(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A pad of 4 to 10 device stiffnesses, and at first of 2 to 4 times that.
+
+    It relaxes in 0.2 to 2 band periods, and comes back as slowly once it is left.
+    """
+    lasting, ratio = rng.uniform(4.0, 10.0) * conditions.stiffness, rng.uniform(2.0, 4.0)
+    share = -np.expm1(-SUBSTEP / (rng.uniform(0.2, 2.0) * conditions.time))
+    return _stopped(forces.CREEPING, size, conditions, lasting, (ratio - 1.0) * lasting, share)
+
+
 EFFECTS = (
     EffectKind(
         "end_stop", Port.FORCE, 0.02, 0.7, "travels",
         (hertz_contact, sprung_contact, stepped_pad, disc_springs, pressed_cone, dented_stop,
-         rubber_bumper, air_cushion),
+         rubber_bumper, air_cushion, friction_buffer, creeping_pad),
     ),
 )  # fmt: skip
