@@ -126,6 +126,10 @@ def test_a_fault_happens_once_at_its_moment(form, seed):
         course = resist(law, 5.0 + TIME)
     elif isinstance(law, ForceLaw):
         course = held(law, 5.0, CONDITIONS.duration)
+    elif form == "plugged_line":  # the lag behind a steady motion
+        course = through(law, 5.0 + TIME) - (5.0 + TIME)
+    elif form == "blocked_valve":  # felt at the highest commands alone
+        course = through(law, np.full(SAMPLES, CONDITIONS.high)) / CONDITIONS.high - 1.0
     else:
         course = through(law, np.full(SAMPLES, 2.5)) / 2.5 - 1.0
     moment = defining["time"]

@@ -10,6 +10,7 @@ from dea.plant.hidden.forms import (
     faults,
     foreign,
     foreign_motion,
+    foreign_states,
     friction,
     lags,
     leakage,
@@ -24,6 +25,7 @@ from dea.plant.hidden.forms import (
 _MODULES = (
     command_curves, reading_curves, slewing, delays, lags, leakage, memory, friction, backlash,
     mechanics, stops, drifts, faults, disturbances, foreign_motion, foreign,
+    foreign_states,
 )  # fmt: skip
 
 EFFECTS: dict[str, EffectKind] = {

@@ -244,10 +244,91 @@ def worn_screw(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(law, {})
 
 
+@njit(cache=True)
+def _rattling(c: Array, m: Array, y: Array) -> None:
+    """Coast between flanks, half a gap c[0] off, and bounce with the restitution c[2].
+
+    c[1]: what a sub-step leaves of the speed; m: whether started, place (before the start its share
+    of the gap), speed and last output.
+    """
+    half, kept, bounce = c
+    if m[0] == 0.0:
+        m[0], m[1], m[3] = 1.0, y[0] + (2.0 * m[1] - 1.0) * half, y[0]
+    for k in range(y.shape[0]):
+        speed = (y[k] - m[3]) / SUBSTEP
+        m[2] *= kept
+        free = m[1] + SUBSTEP * m[2]
+        m[1] = min(max(free, y[k] - half), y[k] + half)
+        if (free > m[1] and m[2] > speed) or (free < m[1] and m[2] < speed):
+            m[2] = speed - bounce * (m[2] - speed)
+        m[3] = y[k]
+        y[k] = m[1]
+
+
+@reporting("Dubowsky and Freudenstein, J. Eng. Ind. 93 (1971) 305: a joint whose flanks are hit")
+def rattling_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A load that bounces between flanks ``size`` travels apart, with a restitution of 0.3 to 0.7.
+
+    Drag stops it within 0.03 to 0.3 band periods.
+    """
+    gap = size * conditions.travel
+    time = conditions.time * np.exp(rng.uniform(np.log(0.03), np.log(0.3)))
+    constants = [0.5 * gap, np.exp(-SUBSTEP / time), rng.uniform(0.3, 0.7)]
+    memory = [0.0, rng.uniform(), 0.0, 0.0]
+    return Built(SignalLaw(_rattling, constants, memory, output=True), {"gap": gap})
+
+
+@njit(cache=True)
+def _closed(left: float, film: float, way: float) -> float:
+    """Return what is left of a clearance that an output closes by ``way``, with grease in it.
+
+    The clearance g falls by g³/(g³ + film³) of the way: g - film³/(2g²) falls by all of it.
+    """
+    cube = 0.5 * film**3
+    wanted = left - cube / left**2 - way
+    g = np.sqrt(cube / (left - wanted))
+    for _ in range(40):  # Newton's rule, from below
+        change = (g - cube / g**2 - wanted) / (1.0 + 2.0 * cube / g**3)
+        g -= change
+        if abs(change) < 1e-12 * left:
+            break
+    value: float = g
+    return value
+
+
+@njit(cache=True)
+def _greased(c: Array, m: Array, y: Array) -> None:
+    """Follow what grease presses, half a gap c[0]; c[1]: the film that takes half of the way.
+
+    m: whether started, place within the gap (before the start its share), and last output.
+    """
+    half, film = c
+    if m[0] == 0.0:
+        m[0], m[1], m[2] = 1.0, (2.0 * m[1] - 1.0) * 0.9 * half, y[0]
+    for k in range(y.shape[0]):
+        way = y[k] - m[2]
+        side = np.sign(way)
+        if side != 0.0:
+            m[1] = side * (half - _closed(half - side * m[1], film, abs(way)))
+        m[2] = y[k]
+        y[k] -= m[1]
+
+
+@reporting("Hamrock, Fundamentals of Fluid Film Lubrication (1994): a joint full of grease")
+def greased_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A gap of ``size`` travels whose grease moves a viscous load before the flank touches.
+
+    A film of 0.6 to 1.2 of half the gap takes half of the way; grease that is let go does not pull.
+    """
+    half = 0.5 * size * conditions.travel
+    constants = [half, rng.uniform(0.6, 1.2) * half]
+    return Built(SignalLaw(_greased, constants, [0.0, rng.uniform(), 0.0], output=True), {})
+
+
 EFFECTS = (
     EffectKind(
         "backlash", Port.OUTPUT, 0.003, 0.25, "1",
         (dry_follower, coasting_load, unequal_slopes, dead_zone_spring, weak_preload,
-         eccentric_gears, damped_shaft, worn_screw),
+         eccentric_gears, damped_shaft, worn_screw, rattling_joint, greased_joint),
     ),
 )  # fmt: skip

@@ -236,11 +236,43 @@ def rectified_sine(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(law, {"frequency": frequency})
 
 
+@reporting("Rothbart, Cams (1956): a cam that rises and falls by cycloids, and dwells")
+def cycloidal_cam(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A wave on the reading: up in 0.15 to 0.3 of the time, down in as much, and at rest below."""
+    frequency, phase = _frequency(conditions, rng), rng.random()
+    rise, fall = rng.uniform(0.15, 0.3), rng.uniform(0.15, 0.3)
+    turned = np.linspace(0.0, 1.0, 401)
+
+    def cycloid(share: Array) -> Array:
+        x = np.clip(share, 0.0, 1.0)
+        value: Array = x - np.sin(2.0 * np.pi * x) / (2.0 * np.pi)
+        return value
+
+    wave = cycloid(turned / rise) - cycloid((turned - rise) / fall)
+    wave = 2.0 * size * conditions.travel * (wave - 0.5 * (rise + fall))
+    law = SignalLaw(_repeated, np.concatenate([[frequency, phase], wave]), output=True)
+    return Built(law, {"frequency": frequency})
+
+
+@reporting("Tsypkin, Relay Control Systems (1984): what a relay regulates, to and fro")
+def relay_cycle(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Exponentials on the command, up in 0.3 to 0.7 of the time, each 0.5 to 2.5 times its time."""
+    frequency, phase = _frequency(conditions, rng), rng.random()
+    duty, bend = rng.uniform(0.3, 0.7), rng.uniform(0.5, 2.5)
+    turned = np.linspace(0.0, 1.0, 401)
+    up, down = np.minimum(turned / duty, 1.0), np.maximum(turned - duty, 0.0) / (1.0 - duty)
+    wave = (np.expm1(-bend * up) - np.expm1(-bend * down)) / np.expm1(-bend) - 0.5
+    wave = 2.0 * size * conditions.span * wave
+    return Built(
+        SignalLaw(_repeated, np.concatenate([[frequency, phase], wave])), {"frequency": frequency}
+    )
+
+
 EFFECTS = (
     EffectKind(
         "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
         (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
          hunting_machine, chopped_supply, relaxation_oscillation, beating_machines, cogging,
-         rectified_sine),
+         rectified_sine, cycloidal_cam, relay_cycle),
     ),
 )  # fmt: skip

@@ -1,7 +1,5 @@
 """Drifts of gain and baseline while the experiment runs."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.random import Generator
 
@@ -10,9 +8,14 @@ from dea.plant import forces
 from dea.plant.force_laws import in_time
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.courses import (
+    Course,
+    emptied,
+    gamma_process,
+    heated_for_a_while,
+    regulated,
+)
 from dea.plant.hidden.forms.kernels import added_course, gain_course, sign
-
-Course = Callable[[Array], Array]
 
 
 def _exponential(conditions: Conditions, rng: Generator) -> Course:
@@ -216,6 +219,18 @@ def wandering_gain(size: float, conditions: Conditions, rng: Generator) -> Built
     return _gain(size, conditions, rng, _wandering(conditions, rng))
 
 
+@reporting("Van Noortwijk, Reliab. Eng. Syst. Saf. 94 (2009) 2: a gamma process, of small amounts")
+def eroding_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes by many small amounts of random size, all in one direction."""
+    return _gain(size, conditions, rng, gamma_process(conditions, rng))
+
+
+@reporting("Ogata, Modern Control Engineering (2010): a regulator that swings, here of an oven")
+def oven_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain goes beyond its end, swings and settles."""
+    return _gain(size, conditions, rng, regulated(conditions, rng))
+
+
 def _added(size: float, conditions: Conditions, rng: Generator, course: Course) -> Built:
     height = size * conditions.travel * rng.choice([-1.0, 1.0])
     law = added_course(lambda t: height * course(t), conditions.duration)
@@ -291,16 +306,29 @@ def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.FORCE_COURSE, constants), {})
 
 
+@reporting("Munson et al., Fundamentals of Fluid Mechanics (2002): a reservoir that empties")
+def emptying_reservoir(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves with a level that falls as Torricelli's law says, until it is empty."""
+    return _added(size, conditions, rng, emptied(conditions, rng))
+
+
+@reporting("ASHRAE, Handbook of Fundamentals (2001): a room that is heated for a while")
+def heated_room(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves while a heater is on, and back when it is off."""
+    return _added(size, conditions, rng, heated_for_a_while(conditions, rng))
+
+
 EFFECTS = (
     EffectKind(
         "gain_drift", Port.TIME, 0.002, 1.0, "1",
         (ageing_gain, diffusing_gain, linear_gain, autocatalytic_gain, passing_gain,
-         wearing_gain, crystallising_gain, discharging_gain, logarithmic_gain, wandering_gain),
+         wearing_gain, crystallising_gain, discharging_gain, logarithmic_gain, wandering_gain,
+         eroding_gain, oven_gain),
     ),
     EffectKind(
         "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
         (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
          consolidating_bed, heated_wall, walking_bias, wandering_baseline, daily_swing,
-         settling_load),
+         settling_load, emptying_reservoir, heated_room),
     ),
 )  # fmt: skip

@@ -161,11 +161,47 @@ def slipping_joint(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.JOINT, constants), {"time": moment})
 
 
+@njit(cache=True)
+def _plugged(c: Array, m: Array, y: Array) -> None:
+    """A first-order lag of c[1] s from the moment c[0] on; m: time, and value."""
+    share = -np.expm1(-SUBSTEP / c[1])
+    for k in range(y.shape[0]):
+        if m[0] < c[0]:
+            m[1] = y[k]
+        m[1] += share * (y[k] - m[1])
+        y[k] = m[1]
+        m[0] += SUBSTEP
+
+
+@reporting("Lipták, Instrument Engineers' Handbook (2003): a line to a gauge that is plugged")
+def plugged_line(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading is late from the moment on, by a lag of ``size`` band periods."""
+    moment = _moment(conditions, rng)
+    law = SignalLaw(_plugged, [moment, size * conditions.time], [0.0, 0.0], output=True)
+    return Built(law, {"time": moment})
+
+
+@njit(cache=True)
+def _blocked(c: Array, m: Array, u: Array) -> None:
+    """Clip at c[1] from the moment c[0] on; m: time."""
+    for k in range(u.shape[0]):
+        if m[0] >= c[0]:
+            u[k] = min(u[k], c[1])
+        m[0] += SUBSTEP
+
+
+@reporting("Bartyś et al., Control Eng. Pract. 14 (2006) 577: a valve that no longer opens in full")
+def blocked_valve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The command is limited from the moment on, to 1 - ``size`` of its range."""
+    moment, limit = _moment(conditions, rng), conditions.high - min(size, 0.9) * conditions.span
+    return Built(SignalLaw(_blocked, [moment, limit]), {"time": moment})
+
+
 EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
          rescaled_sensor, dropped_load, lost_effectiveness, thickened_oil, settling_gain,
-         slipping_joint),
+         slipping_joint, plugged_line, blocked_valve),
     ),
 )  # fmt: skip
