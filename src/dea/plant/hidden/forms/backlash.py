@@ -200,7 +200,7 @@ def _twisted(c: Array, m: Array, y: Array) -> None:
         y[k] = m[1]
 
 
-@reporting(
+@tuning(
     "Nordin, Galić and Gutman, Int. J. Adapt. Control Signal Process. 11 (1997) 49: damped shaft"
 )
 def damped_shaft(size: float, conditions: Conditions, rng: Generator) -> Built:
@@ -221,7 +221,7 @@ def damped_shaft(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_twisted, constants, memory, output=True), {"gap": gap})
 
 
-@reporting("Archard, J. Appl. Phys. 24 (1953) 981: wear by every pass, here of a screw's middle")
+@tuning("Archard, J. Appl. Phys. 24 (1953) 981: wear by every pass, here of a screw's middle")
 def worn_screw(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A gap that is ``size`` travels where a screw is worn most, and 0.1 to 0.5 of it elsewhere.
 

@@ -106,7 +106,7 @@ def glow_lamp(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_glow_lamp, constants), {})
 
 
-@reporting("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
+@tuning("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
 def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The load's voltage v solves v + n ln(1 + v/s) = u, by Lambert's function."""
     from scipy.special import lambertw
@@ -129,7 +129,7 @@ def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(law, {})
 
 
-@reporting("Sedra and Smith, Microelectronic Circuits (2004): a square-law stage above threshold")
+@tuning("Sedra and Smith, Microelectronic Circuits (2004): a square-law stage above threshold")
 def square_law_foot(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Nothing below the threshold, a parabola above it that becomes a straight line."""
     threshold, _ = _threshold(size, conditions)
@@ -297,7 +297,7 @@ def stored_charge(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_stored_charge, [limit, time]), {"limit": limit})
 
 
-@reporting("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
+@tuning("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
 def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A straight line up to a knee, and an error integral from there to the limit."""
     from scipy.special import erf
@@ -309,7 +309,7 @@ def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(command_curve(limited, conditions), {"limit": limit})
 
 
-@reporting("Saleh, IEEE Trans. Commun. 29 (1981) 1715: a tube that saturates and falls again")
+@tuning("Saleh, IEEE Trans. Commun. 29 (1981) 1715: a tube that saturates and falls again")
 def falling_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Linear to a knee, then Saleh's quotient x/(1 + x²/4) with its crest, of 1 at x = 2.
 

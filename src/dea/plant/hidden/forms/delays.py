@@ -192,7 +192,7 @@ def _jittered(c: Array, m: Array, u: Array) -> None:
         u[k] = near + (m[0] - whole) * (far - near)
 
 
-@reporting("Nilsson, Real-Time Control Systems with Delays (1998): a network's varying delay")
+@tuning("Nilsson, Real-Time Control Systems with Delays (1998): a network's varying delay")
 def jittered_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A delay that wanders by up to a fifth around its mean, faster than the band and slower."""
     mean = size * conditions.time
@@ -204,7 +204,7 @@ def jittered_delay(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(law, {"delay": mean})
 
 
-@reporting("Levenspiel, Chemical Reaction Engineering (1999): plug flow as many tanks in series")
+@tuning("Levenspiel, Chemical Reaction Engineering (1999): plug flow as many tanks in series")
 def dispersed_plug_flow(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Twenty-five to sixty equal lags in series: a delay whose edge is slightly blurred."""
     tanks = int(rng.integers(25, 61))

@@ -198,7 +198,7 @@ def _beat(c: Array, m: Array, y: Array) -> None:
         m[0] += SUBSTEP
 
 
-@reporting("Randall, Vibration-based Condition Monitoring (2011): two machines that beat")
+@tuning("Randall, Vibration-based Condition Monitoring (2011): two machines that beat")
 def beating_machines(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A line and a weaker one two to six beats a record away."""
     first = _frequency(conditions, rng)
@@ -209,7 +209,7 @@ def beating_machines(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(SignalLaw(_beat, constants, output=True), {"frequency": first})
 
 
-@reporting("Hanselman, Brushless Permanent Magnet Motor Design (2003): cogging", moving=True)
+@tuning("Hanselman, Brushless Permanent Magnet Motor Design (2003): cogging", moving=True)
 def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Equal pulses of force, many harmonics of one frequency."""
     from scipy.special import i0e
@@ -222,7 +222,7 @@ def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.PULSES, constants), {"frequency": frequency})
 
 
-@reporting("Rao, Mechanical Vibrations (2017): the rectified sine of a loose contact")
+@tuning("Rao, Mechanical Vibrations (2017): the rectified sine of a loose contact")
 def rectified_sine(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The positive half of a sine on the reading, by its first six harmonics."""
     frequency, phase = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi)

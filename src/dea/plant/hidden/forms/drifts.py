@@ -207,13 +207,13 @@ def discharging_gain(size: float, conditions: Conditions, rng: Generator) -> Bui
     return _gain(size, conditions, rng, _discharge(conditions, rng))
 
 
-@reporting("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
+@tuning("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
 def logarithmic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain changes with the logarithm of time."""
     return _gain(size, conditions, rng, _logarithm(conditions, rng))
 
 
-@reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
+@tuning("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain wanders smoothly."""
     return _gain(size, conditions, rng, _wandering(conditions, rng))
@@ -285,19 +285,19 @@ def walking_bias(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _added(size, conditions, rng, _random_walk(conditions, rng))
 
 
-@reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
+@tuning("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline wanders smoothly."""
     return _added(size, conditions, rng, _wandering(conditions, rng))
 
 
-@reporting("Carslaw and Jaeger, Conduction of Heat in Solids (1959): a part of a daily swing")
+@tuning("Carslaw and Jaeger, Conduction of Heat in Solids (1959): a part of a daily swing")
 def daily_swing(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline follows a part of a slow sine."""
     return _added(size, conditions, rng, _tide(conditions, rng))
 
 
-@reporting("Lomnitz, J. Geol. 64 (1956) 473: a load that settles with log time", moving=True)
+@tuning("Lomnitz, J. Geol. 64 (1956) 473: a load that settles with log time", moving=True)
 def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A constant force comes with the logarithm of time."""
     height = conditions.device_forces(size) * rng.choice([-1.0, 1.0])

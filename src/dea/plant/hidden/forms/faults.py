@@ -145,14 +145,14 @@ def thickened_oil(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(law, {"time": moment})
 
 
-@reporting("Isermann, Fault-Diagnosis Systems (2006): a fault whose consequence settles")
+@tuning("Isermann, Fault-Diagnosis Systems (2006): a fault whose consequence settles")
 def settling_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain leaves its value at once and settles exponentially at another."""
     width = rng.uniform(0.3, 1.0) * conditions.time
     return _stepping(size, conditions, rng, in_time.SETTLING, width)
 
 
-@reporting("Gaul and Nitsche, Appl. Mech. Rev. 54 (2001) 93: a joint that slips", moving=True)
+@tuning("Gaul and Nitsche, Appl. Mech. Rev. 54 (2001) 93: a joint that slips", moving=True)
 def slipping_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A joint loses its preload: from then on it slips, by dry friction, where it is stretched."""
     moment = _moment(conditions, rng)

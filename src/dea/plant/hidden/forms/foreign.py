@@ -9,7 +9,7 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.array import Values
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, foreign, tuning
 from dea.plant.hidden.forms.kernels import note, noted
 from dea.plant.signal_law import SignalLaw
 
@@ -218,7 +218,7 @@ def _spikes(c: Array, m: Array, y: Array) -> None:
         m[0] += SUBSTEP
 
 
-@reporting("Tukey, Contributions to Probability and Statistics (1960) 448: contaminated readings")
+@tuning("Tukey, Contributions to Probability and Statistics (1960) 448: contaminated readings")
 def outliers(size: float, conditions: Conditions, rng: Generator) -> Built:
     """One reading in twenty or so is wrong by some ``size`` travels."""
     length = 0.01 * conditions.time
@@ -229,9 +229,7 @@ def outliers(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _output(_spikes, constants, [0.0, 0.0])
 
 
-@reporting(
-    "Elliott, Bell Syst. Tech. J. 42 (1963) 1977: bursts of lost commands, the last one held"
-)
+@tuning("Elliott, Bell Syst. Tech. J. 42 (1963) 1977: bursts of lost commands, the last one held")
 def lost_commands(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Commands that are lost every few band periods for about ``size`` band periods."""
     return _input(_dropouts, _gaps(size, conditions, rng), [0.0, 0.0])
@@ -250,7 +248,7 @@ def _lorenz(c: Array, m: Array, u: Array) -> None:
         m[2] = z + dt * (x * y - 8.0 / 3.0 * z)
 
 
-@reporting("Lorenz, J. Atmos. Sci. 20 (1963) 130: an unmeasured chaotic input")
+@tuning("Lorenz, J. Atmos. Sci. 20 (1963) 130: an unmeasured chaotic input")
 def unmeasured_input(size: float, conditions: Conditions, rng: Generator) -> Built:
     """An unmeasured input that multiplies the first, of RMS about ``size``."""
     start = np.array([1.0, 1.0, 20.0]) + rng.uniform(0.0, 5.0, 3)
@@ -272,7 +270,7 @@ def _direction(c: Array, m: Array, u: Array) -> None:
         u[k] = now * _factor(size * m[2])
 
 
-@reporting(
+@tuning(
     "Tan and Godfrey, IEE Proc. Control Theory Appl. 148 (2001) 362: direction-dependent dynamics"
 )
 def direction_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
@@ -291,7 +289,7 @@ def _slow_clock(c: Array, m: Array, u: Array) -> None:
         u[k] = noted(m, int(latest * share / SUBSTEP))
 
 
-@reporting("Allan, Proc. IEEE 54 (1966) 221: a clock that drifts")
+@tuning("Allan, Proc. IEEE 54 (1966) 221: a clock that drifts")
 def drifting_clock(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The command comes later and later, by ``size`` band periods at the end."""
     seconds = size * conditions.time
@@ -308,7 +306,7 @@ def _speckle(c: Array, m: Array, y: Array) -> None:
         m[0] += 1.0
 
 
-@reporting("Goodman, Speckle Phenomena in Optics (2007): noise in proportion to the signal")
+@tuning("Goodman, Speckle Phenomena in Optics (2007): noise in proportion to the signal")
 def speckle(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A reading with noise that grows with the distance from the bottom."""
     hold = max(round(0.02 * conditions.time / SUBSTEP), 1)

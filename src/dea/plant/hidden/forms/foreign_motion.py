@@ -28,9 +28,7 @@ def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(ForceLaw(forces.PUMPED, constants), {})
 
 
-@reporting(
-    "Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True
-)
+@tuning("Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True)
 def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A buckled strip whose bistable force reaches about ``size`` device forces.
 

@@ -104,7 +104,7 @@ def uneven_gears(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.UNEVEN, constants), {})
 
 
-@reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
+@tuning("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
 def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
     sliding = conditions.device_forces(size)
@@ -112,7 +112,7 @@ def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
 
 
-@reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
+@tuning("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
 def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Three tanh terms of the speed, and up to a fifth more friction in one direction."""
     sliding, speed = conditions.device_forces(size), conditions.speed

@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.electrode_lags import stray_capacity, warming_composite
 from dea.plant.hidden.forms.kernels import cascade, parallel
 from dea.plant.hidden.forms.sensor_lags import digital_voltmeter, still_air
@@ -180,7 +180,7 @@ def vacuum_tubes(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_through_tubes, [0.5 * SUBSTEP / time / np.sqrt(scale)], [0.0, 0.0]), {})
 
 
-@reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
+@tuning("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
 def cole_cole(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Lags side by side, with Cole and Cole's density around a central time."""
     alpha, middle = rng.uniform(0.15, 0.35), size * conditions.time
@@ -202,7 +202,7 @@ def _loaded_lag(c: Array, m: Array, u: Array) -> None:
         u[k] = m[1]
 
 
-@reporting("Rosset and Shea, Appl. Phys. A 110 (2013) 281: electrodes whose resistance grows")
+@tuning("Rosset and Shea, Appl. Phys. A 110 (2013) 281: electrodes whose resistance grows")
 def stretched_electrode(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A lag that is slower at high commands, where the electrode is stretched."""
     growth, mean = rng.uniform(0.5, 2.0), size * conditions.time
@@ -372,7 +372,7 @@ def photoconductive_cell(size: float, conditions: Conditions, rng: Generator) ->
     return Built(SignalLaw(_lit, constants, [0.0, 0.0], output=True), {})
 
 
-@reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
+@tuning("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
     from scipy.signal import besselap, residue
@@ -388,7 +388,7 @@ def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_complex_poles, constants, np.zeros(5), output=True), {"lag": mean})
 
 
-@reporting("Kerlin et al., ISA Trans. 17 (1978): a probe of which a part is in direct contact")
+@tuning("Kerlin et al., ISA Trans. 17 (1978): a probe of which a part is in direct contact")
 def sheathed_probe(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A part of the probe responds quickly, the rest through its sheath."""
     quick, mean = rng.uniform(0.1, 0.35), size * conditions.time

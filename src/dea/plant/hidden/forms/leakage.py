@@ -108,13 +108,13 @@ def filling_traps(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_captured, constants), {})
 
 
-@reporting("Frenkel, Phys. Rev. 54 (1938) 647: conduction out of traps that the field lowers")
+@tuning("Frenkel, Phys. Rev. 54 (1938) 647: conduction out of traps that the field lowers")
 def poole_frenkel(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Traps filled by a current proportional to the field times an exponential of its root."""
     return _trap(size, conditions, rng, POOLE_FRENKEL, rng.uniform(1.5, 4.0))
 
 
-@reporting("Jonscher, J. Phys. D 32 (1999) R57: the Curie and von Schweidler law, t^-n")
+@tuning("Jonscher, J. Phys. D 32 (1999) R57: the Curie and von Schweidler law, t^-n")
 def curie_von_schweidler(size: float, conditions: Conditions, rng: Generator) -> Built:
     """An absorption current that falls as a power of time, as a spectrum from 0.3 to 300 s."""
     exponent = rng.uniform(0.6, 0.95)

@@ -9,7 +9,7 @@ from dea.plant import forces
 from dea.plant.force_laws import damage, mode
 from dea.plant.force_laws.elastic import conical_force, fibre_force
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.structures import (
     breaking_strands,
     filler_network,
@@ -102,7 +102,7 @@ def guided_leaf(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _static(forces.GUIDED, [force, length, touched])
 
 
-@reporting("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
+@tuning("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
 def gent(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that rises without bound at 1.15 to 1.5 travels."""
     limit = rng.uniform(1.15, 1.5)
@@ -110,7 +110,7 @@ def gent(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _static(forces.GENT, [force * limit, limit * conditions.travel, conditions.bottom])
 
 
-@reporting("Arruda and Boyce, J. Mech. Phys. Solids 41 (1993) 389, Cohen's inverse Langevin")
+@tuning("Arruda and Boyce, J. Mech. Phys. Solids 41 (1993) 389, Cohen's inverse Langevin")
 def langevin_chain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The force of chains that are stretched out at 1.1 to 1.4 travels."""
     limit = rng.uniform(1.1, 1.4)
@@ -208,7 +208,7 @@ def two_damages(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.TWO_DAMAGES, constants), {})
 
 
-@reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
+@tuning("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
 def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost is a hyperbola of the work done on the film."""
     whole = conditions.stiffness * conditions.path * conditions.travel * 0.5
@@ -217,7 +217,7 @@ def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.WORK, constants), {})
 
 
-@reporting("Derham and Thomas, Rubber Chem. Technol. 50 (1977) 397: the logarithm of the cycles")
+@tuning("Derham and Thomas, Rubber Chem. Technol. 50 (1977) 397: the logarithm of the cycles")
 def logarithm_of_cycles(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost grows with the logarithm of the number of cycles."""
     return _cycling(size, conditions, damage.LOGARITHM, 0.0)
@@ -310,13 +310,13 @@ def breathing_crack(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(law, {"frequency": frequency})
 
 
-@reporting("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
+@tuning("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
 def grounded_damper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass on a hardening spring, damped against the ground."""
     return _second(size, conditions, rng, mode.HARDENING, 1.0)
 
 
-@reporting("Ibrahim, Liquid Sloshing Dynamics (2005): a pendulum, softer at large angles")
+@tuning("Ibrahim, Liquid Sloshing Dynamics (2005): a pendulum, softer at large angles")
 def sloshing_pendulum(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass that swings as a pendulum."""
     return _second(size, conditions, rng, mode.PENDULUM, 0.0)

@@ -8,7 +8,7 @@ from dea.plant import forces
 from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.loops import cracked_concrete, leaf_spring
 from dea.plant.hidden.forms.relaxation import (
     biphasic_layer,
@@ -106,7 +106,7 @@ def bergstrom_boyce(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(ForceLaw(forces.REPTATION, constants, [conditions.rest]), {})
 
 
-@reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
+@tuning("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
 def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Relaxation with the logarithm of time: equal elements over two to three decades."""
     first = int(rng.integers(2, 5))
@@ -115,7 +115,7 @@ def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Bu
     return _spectrum(box, conditions, size)
 
 
-@reporting("Eyring, J. Chem. Phys. 4 (1936) 283: a dashpot activated by its stress")
+@tuning("Eyring, J. Chem. Phys. 4 (1936) 283: a dashpot activated by its stress")
 def activated_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A spring of four ``size`` stiffnesses on a dashpot whose rate is a sinh of its stretch."""
     length = rng.uniform(0.08, 0.25) * conditions.travel
@@ -177,14 +177,14 @@ def inhibited_oxidation(size: float, conditions: Conditions, rng: Generator) -> 
     )
 
 
-@reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
+@tuning("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
 def logarithmic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The prestress relaxes as ln(1 + t/T)."""
     time = rng.uniform(0.003, 0.03) * conditions.duration
     return _relaxing(size, conditions, in_time.LOGARITHM, time, conditions.duration)
 
 
-@reporting("Peleg, J. Food Sci. 44 (1979) 277: normalised relaxation, t/(T + t)")
+@tuning("Peleg, J. Food Sci. 44 (1979) 277: normalised relaxation, t/(T + t)")
 def hyperbolic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The prestress relaxes as t/(T + t)."""
     time = rng.uniform(0.08, 0.5) * conditions.duration
@@ -307,7 +307,7 @@ def _without_pins(field: float, mean_field: float) -> float:
     return float(brentq(excess, -1.0, 1.0))
 
 
-@reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
+@tuning("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
 def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Preisach's relays with Lorentzian densities; the whole loop is ``size`` film forces high."""
     width = rng.uniform(0.3, 0.8) * conditions.travel
@@ -316,7 +316,7 @@ def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(ForceLaw(forces.PREISACH, [height, middle, width], _reversals(conditions)), {})
 
 
-@reporting("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
+@tuning("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
 def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that turns with ``size`` stiffnesses and then follows a less steep line."""
     rate = 1.0 / (rng.uniform(0.15, 0.5) * conditions.travel)

@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.gauges import hot_wire, tank_gauge
 from dea.plant.hidden.forms.kernels import bent_above, reading_curve, true_at_ends
 from dea.plant.hidden.forms.limiters import limiting_stages, rippled_limit
@@ -105,7 +105,7 @@ def blocking_grid(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_blocking, constants, output=True), {"limit": limit})
 
 
-@reporting("Zölzer, DAFX (2011): exponential distortion, 1 - exp(-x)")
+@tuning("Zölzer, DAFX (2011): exponential distortion, 1 - exp(-x)")
 def exponential_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Above a knee the reading approaches its limit exponentially."""
     limit = _read_limit(size, conditions)
@@ -114,7 +114,7 @@ def exponential_rail(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(reading_curve(rail, conditions), {"limit": limit})
 
 
-@reporting("Smith, Physical Audio Signal Processing (2010): the arctangent nonlinearity")
+@tuning("Smith, Physical Audio Signal Processing (2010): the arctangent nonlinearity")
 def arctangent_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Above a knee the reading approaches its limit as an arcus tangent."""
     limit = _read_limit(size, conditions)
@@ -291,7 +291,7 @@ def knife_edge(size: float, conditions: Conditions, rng: Generator) -> Built:
     )
 
 
-@reporting("Doebelin, Measurement Systems (2003): an unbalanced Wheatstone bridge, x/(1 + a x)")
+@tuning("Doebelin, Measurement Systems (2003): an unbalanced Wheatstone bridge, x/(1 + a x)")
 def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A bridge whose reading falls short of (or exceeds) the straight line by a hyperbola."""
     bend = min(size, 0.8) * rng.choice([-0.5, 1.0])
@@ -305,7 +305,7 @@ def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Bu
     return Built(reading_curve(bridge, conditions), {})
 
 
-@reporting("Doebelin, Measurement Systems (2003): the angle of a lever that a displacement turns")
+@tuning("Doebelin, Measurement Systems (2003): the angle of a lever that a displacement turns")
 def lever_angle(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The arcus tangent of the place, compressed towards both ends, more to one of them."""
     steep = 2.5 * min(size, 1.5)
@@ -319,7 +319,7 @@ def lever_angle(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(reading_curve(compressed, conditions), {})
 
 
-@reporting("Steinhart and Hart, Deep-Sea Res. 15 (1968) 497: an exponential element made straight")
+@tuning("Steinhart and Hart, Deep-Sea Res. 15 (1968) 497: an exponential element made straight")
 def exponential_element(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A thermistor's exponential through the ends of the travel, bent up or down."""
     bend = 2.0 * size * rng.choice([-1.0, 1.0])

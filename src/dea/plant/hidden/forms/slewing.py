@@ -201,7 +201,7 @@ def _orifice(c: Array, m: Array, u: Array) -> None:
         u[k] = m[1]
 
 
-@reporting("Merritt, Hydraulic Control Systems (1967): flow through an orifice, valve fully open")
+@tuning("Merritt, Hydraulic Control Systems (1967): flow through an orifice, valve fully open")
 def orifice_flow(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A rate that falls with the root of the error near the target."""
     rate = _rate(size, conditions)
@@ -223,7 +223,7 @@ def _foldback(c: Array, m: Array, u: Array) -> None:
         u[k] = m[1]
 
 
-@reporting("Horowitz and Hill, The Art of Electronics (2015): charging by a current with foldback")
+@tuning("Horowitz and Hill, The Art of Electronics (2015): charging by a current with foldback")
 def foldback_current(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The nearer the output to the end it moves to, the slower the rate."""
     rate = _rate(size, conditions)

@@ -66,7 +66,7 @@ def dented_stop(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _stopped(forces.DENTED, size, conditions, stiffness, rng.uniform(1.3, 3.0))
 
 
-@reporting("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
+@tuning("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
 def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A soft bumper that stiffens exponentially within a few hundredths of the travel."""
     depth = rng.uniform(0.01, 0.03) * conditions.travel
@@ -74,7 +74,7 @@ def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _stopped(forces.RUBBER, size, conditions, stiffness, depth)
 
 
-@reporting("Andersen, The Analysis and Design of Pneumatic Systems (1967): an air cushion")
+@tuning("Andersen, The Analysis and Design of Pneumatic Systems (1967): an air cushion")
 def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A cylinder that closes: an adiabatic cushion a tenth of the travel long."""
     length = rng.uniform(0.06, 0.15) * conditions.travel
