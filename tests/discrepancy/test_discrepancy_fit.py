@@ -432,6 +432,19 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     assert found.status == expected
 
 
+@pytest.mark.parametrize(("certified", "expected"), [(1.7, "none"), (2.0, "unknown")])
+@pytest.mark.parametrize("reason", [Reason.NOISE, Reason.IRREDUCIBLE, Reason.COLOURED])
+def test_certified_noise_is_compared_with_that_of_the_other_samples(reason, certified, expected):
+    """Those leave 1.25 white levels; on the certified ones half as much again may be chance."""
+    problem, extended = carriage(8)
+    evidence = judged_by(problem, extended, nominal_error=1.25, noise=1.0)
+    residual = np.where(problem.certify, certified, evidence.nominal.residual)
+    nominal = replace(evidence.nominal, residual=residual)
+    decided = Decision(Status.NONE, None, reason=reason)
+    found = confirmed(decided, replace(evidence, nominal=nominal), nominal, {}, {})
+    assert found.status == expected
+
+
 @pytest.mark.parametrize(
     ("left_out", "tested", "reason"),
     [

@@ -1318,3 +1318,22 @@ def test_a_gently_bent_reading_does_not_bear_the_name_of_a_limit(limited):
     finished = {c.names[0] for c in again.candidates if c.finished}
     assert ("output_saturation" in finished) == limited
     assert {c.names[0]: c.rmse < 1.2 * NOISE for c in again.candidates}["output_saturation"]
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_a_gently_bent_command_does_not_bear_the_name_of_a_limit(limited):
+    """Nothing else is a curve of the command, so that nothing else explains it."""
+    problem, extended = hidden()
+    own = extended.values(np.zeros(extended.free.size))
+    peak = np.abs(problem.u).max()
+    bent = np.clip(problem.u, -0.7 * peak, 0.7 * peak)
+    if not limited:
+        bent = problem.u * (1.0 - 0.12 * np.abs(problem.u) / peak)  # the slope falls to 0.76
+    noise = NOISE * np.random.default_rng(4).standard_normal(problem.y.size)
+    problem = replace(problem, y=extended.simulate(own, bent, INTERVAL) + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    singles = extend_by_each(problem, [nominal], [catalogue()["input_saturation"]], Budget(), 1)
+    [again] = unfinish_degenerate(problem, [singles], Rules(), NOISE, 1)
+    [found] = again.candidates
+    assert found.finished is limited
+    assert found.rmse < 1.2 * NOISE

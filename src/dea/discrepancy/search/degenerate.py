@@ -1,7 +1,7 @@
 """Candidates that are not what their names say.
 
-Either they fit as well with an essential parameter at its bound, or the limit of the reading
-that they hold is not reached and a curve does as well.
+Either they fit as well with an essential parameter at its bound, or a limit that they hold is not
+reached: one of the command, or one of the reading where a curve does as well.
 """
 
 from collections.abc import Sequence
@@ -21,8 +21,8 @@ from dea.simulation import Family, Port, law_courses
 # Steps of the fit with the essential parameter at its bound. What is left of a threshold of half
 # the range is a power, which takes a dozen.
 _STEPS = 20
-# Slope at both ends of the readings, as a part of the largest, above which no limit is reached, and
-# the pieces of their range that it is taken from.
+# Slope at both ends of what is limited, as a part of the largest, above which no limit is reached,
+# and the pieces of its range that it is taken from.
 _GENTLE, _PIECES = 0.6, 20
 
 
@@ -47,9 +47,13 @@ def unfinish_degenerate(
     )
     fallen = {id(c) for c, found in zip(doubtful, degenerate, strict=True) if found}
     leading = [c for c in leading if id(c) not in fallen]
-    curves = [(c, found) for c in leading if (found := _on_output(c, Family.CURVE))]
+    curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
     for c in leading:
-        limiting = _on_output(c, Family.LIMIT)
+        # No effect is a curve of the command, so that nothing else needs to explain it.
+        command = _on_path(c, Port.INPUT, Family.LIMIT)
+        if command is not None and _bends_gently(problem, c.fit, command.place):
+            fallen.add(id(c))
+        limiting = _on_path(c, Port.OUTPUT, Family.LIMIT)
         if limiting is None:
             continue
         alike = (d for d, curve in curves if curve.beside == limiting.beside)
@@ -67,24 +71,24 @@ def unfinish_degenerate(
     ]
 
 
-class _OnOutput(NamedTuple):
-    """Which of the effects of a candidate is on the output path, and those beside it."""
+class _OnPath(NamedTuple):
+    """Which of the effects of a candidate is on a signal's path, and those beside it."""
 
     place: int
     beside: frozenset[str]
 
 
-def _on_output(candidate: Candidate, family: Family) -> _OnOutput | None:
-    """Return the first effect of a family on the output path, if there is any."""
+def _on_path(candidate: Candidate, port: Port, family: Family) -> _OnPath | None:
+    """Return the first effect of a family on the path of the input or output, if there is any."""
     labels = candidate.labels
     for index, each in enumerate(candidate.fit.extended.attached):
-        if each.effect.port is Port.OUTPUT and each.effect.family is family:
-            return _OnOutput(index, frozenset(labels[:index] + labels[index + 1 :]))
+        if each.effect.port is port and each.effect.family is family:
+            return _OnPath(index, frozenset(labels[:index] + labels[index + 1 :]))
     return None
 
 
 def _bends_gently(problem: Problem, found: Fit, index: int) -> bool:
-    """Return whether the reading follows at both ends of its range nearly as in between."""
+    """Return whether a signal is followed at both ends of its range nearly as in between."""
     course = law_courses(found.extended, found.values, problem.u, problem.interval)[index]
     if course is None:
         return False

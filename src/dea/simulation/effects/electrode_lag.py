@@ -75,16 +75,19 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return lags of a few intervals, a growing capacity, a slower discharge, and drying."""
+    """Return lags of a few intervals, a growing capacity, a slower discharge, and drying.
+
+    And a long lag of a small part, beside which the rest follows nearly at once.
+    """
     dt, full, duration = scales.interval, scales.u_peak, scales.duration
-    laws = [(samples, 1.0, 0.0, 0.0) for samples in (2.0, 8.0, 30.0)]
-    laws += [(0.3, 1.0, 2.0, 0.0)]
+    laws = [(samples * dt, 0.1, 1.0, 0.0, 0.0) for samples in (2.0, 8.0, 30.0)]
+    laws += [(0.3 * dt, 0.1, 1.0, 2.0, 0.0)]
     if not scales.bipolar:
-        laws += [(samples, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
-    laws += [(0.3, 1.0, 0.0, 1.0)]
+        laws += [(samples * dt, 0.1, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
+    laws += [(0.3 * dt, 0.1, 1.0, 0.0, 1.0), (min(100.0 * dt, 0.05 * duration), 0.7, 1.0, 0.0, 0.0)]
     return tuple(
-        (samples * dt, 0.1, 0.1, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
-        for samples, falling, growth, ageing in laws
+        (time, 0.1, near, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
+        for time, near, falling, growth, ageing in laws
     )
 
 

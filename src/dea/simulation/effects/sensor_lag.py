@@ -91,14 +91,19 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return time constants of a few intervals, and a reading that quickens its own lag."""
+    """Return time constants of a few intervals, and a reading that quickens its own lag.
+
+    And a slow part, beside which the rest follows at once.
+    """
     middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
+    slow = min(100.0 * scales.interval, 0.05 * scales.duration)
     return (
         *(
             (samples * scales.interval, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half)
             for samples in (2.0, 8.0, 30.0)
         ),
         (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
+        (slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
     )
 
 
