@@ -473,6 +473,11 @@ def test_where_more_than_noise_is_left_an_error_may_pass_for_a_time_offset(kind,
     )
 
 
+def test_a_record_that_seems_early_beside_a_lag_may_have_a_shorter_lag():
+    early = found(Status.NAMED, "slew_limit", coordinates=(0.0, 0.0, -1.25))
+    assert remarks(early) == (f"{EARLY}, or the law of the lag is too long by that.",)
+
+
 @pytest.mark.parametrize(("coordinate", "doubted"), [(3.0, True), (2.9, False), (0.0, False)])
 def test_a_law_at_its_bound_may_pass_for_a_time_offset(coordinate, doubted):
     """At a bound that is its prior mean a part of a law has vanished."""
@@ -557,6 +562,9 @@ def test_what_explains_little_is_neither_spoken_of_nor_an_error_to_live_with():
     told.gap = 1.0
     assert "Most explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
     assert "`accuracy: 0.28`" in sentence(told)
+    assert "though it may be what is missing" in sentence(told)
+    told.presence.effects["end_stop"] = 0.999
+    assert "All likely explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
 
 
 def test_it_is_told_that_certified_samples_dated_an_event():

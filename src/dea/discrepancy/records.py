@@ -73,7 +73,9 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
                 f"the record's {role} is in {unit!r}, the simulation {simulation.name} "
                 f"expects {expected!r}",
                 field=role,
-                remedy="Convert the record, or use a simulation in its units",
+                remedy="Convert the record, or use a simulation in its units"
+                if unit != "1"
+                else f"If it is in {expected}, say so: dea.Record.of(…, units=…)",
             )
     if np.isnan(found.y).all():
         raise InputError(

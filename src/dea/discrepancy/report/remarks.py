@@ -9,7 +9,7 @@ from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
 from dea.discrepancy.fit import CLOSE, at_bounds, beyond_priors
 from dea.discrepancy.report.sentence import label_in_words
-from dea.simulation import TIMING_OFFSET
+from dea.simulation import TIMING_OFFSET, Family
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -53,6 +53,8 @@ def _timing(found: "Diagnosis") -> str:
     if abs(offset) < max(_EARLY * problem.recorded_interval, _SURE * deviation):
         return ""
     side, doubts = ("early", "") if offset < 0 else ("late", ", or the device has a lag this short")
+    if offset < 0 and any(a.effect.family is Family.LAG for a in fitted.extended.attached):
+        doubts = ", or the law of the lag is too long by that"
     if _inexact(found):
         law = "the law" if found.decision.answer else "the simulation"
         doubts += f", or an error of {law} passes for that"
@@ -192,8 +194,11 @@ def _noise(found: "Diagnosis") -> str:
     if found.decision.status is Status.UNKNOWN and error.left > _SMALL * found.gap:
         # What is missing would be counted as known.
         return ""
+    counted = "counts it as known error"
+    if found.decision.status is Status.UNKNOWN:
+        counted = "would count it as known error, though it may be what is missing"
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
         f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.left:.2g}` in the "
-        "simulation counts it as known error."
+        f"simulation {counted}."
     )

@@ -30,6 +30,8 @@ _LEAST_SHARE = 1.0
 # Part of the gap that the best explanation may leave for its effect to be spoken of: one that
 # removes little is no hint. The value was chosen.
 _LEFT = 0.8
+# Presence from which every likely explanation holds an effect.
+_SURE = 0.99
 # Parameters of an effect that a sentence has room for.
 _QUOTED = 2
 _DIRECTIONS = ("falling", "still", "rising")
@@ -186,8 +188,10 @@ def _nearest(found: "Diagnosis") -> str:
     best = next((c for c in found.pool if c.finished and likely[0] in c.names), None)
     if best is None or misfit(best.rmse, found.error.white) > _LEFT * found.gap:
         return ""
+    sure = found.presence.effects[likely[0]] >= _SURE
+    holders = "All likely explanations" if sure else "Most explanations"
     return (
-        f" Most explanations hold {label_in_words(likely[0])}; the best leaves {best.rmse:.3g} "
+        f" {holders} hold {label_in_words(likely[0])}; the best leaves {best.rmse:.3g} "
         f"{found.units[1]}."
     )
 
