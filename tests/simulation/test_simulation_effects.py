@@ -661,6 +661,15 @@ def path_through(turns):
     return np.concatenate([[turns[0]], *(np.linspace(a, b, 201)[1:] for a, b in pairwise(turns))])
 
 
+def test_a_sheared_film_rubs_with_its_speed_alone():
+    q = values("coulomb_friction", force=0.1, sheared_part=1.0, shear_rate=0.4,
+               stiction_excess=0.5, stribeck_rate=2.0)  # fmt: skip
+    z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.1 * T)
+    found, speed = forces("coulomb_friction", q, z), np.diff(z) / DT
+    expected = -0.1 * np.tanh(speed / 0.4) * (1.0 + 0.5 / (1.0 + (speed / 2.0) ** 2))
+    assert np.allclose(found, expected)
+
+
 def test_coulomb_friction_opposes_the_motion_with_one_force():
     q = values("coulomb_friction", force=0.1, slip_deflection=0.005)
     z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.1 * T)

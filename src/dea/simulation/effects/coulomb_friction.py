@@ -38,9 +38,12 @@ def _way(z: float, last: float, q: np.ndarray) -> float:
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``.
 
-    Its largest force grows with the place, as the load does.
+    A part of it is a film that is sheared instead: it rises with the speed. The largest force grows
+    with the place, as the load does.
     """
     part = _strained(memory[0], _way(z, memory[1], q), q[5])
+    if q[10] > 0.0:
+        part += q[10] * (np.tanh(w / q[11]) - part)
     excess = q[2] / (1.0 + (w / q[3]) ** 2)
     load = 1.0 + q[7] * min(max((z - q[8]) / q[9], -1.5), 1.5)
     return float(-q[0] * load * part * (1.0 + excess) * (1.0 + q[6] * part))
@@ -66,7 +69,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
     And the part of the largest deflection up to which the contact is elastic, by which part the
     friction is larger on the way up, and smaller on the way down, and by which it is larger at the
-    upper end of the motion than in its middle, for the load is.
+    upper end of the motion than in its middle, for the load is; the part that rises with the speed,
+    and the rate at which it has.
     """
     span = scales.z_span
     return (
@@ -100,21 +104,37 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("load_growth", "1", 0.0, 0.3 * scales.placed, -0.6, 0.6, shape=True),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
+        Parameter("sheared_part", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
+        Parameter(
+            "shear_rate",
+            "1/s",
+            0.1 * span,
+            1.5,
+            1e-3 * span,
+            10.0 * span,
+            log=True,
+            shape=True,
+            at_port="rate",
+        ),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return weak to strong friction, with a soft, a hard and a stiff contact.
+    """Return weak to strong friction, with a soft, a hard and a stiff contact, and a sheared film.
 
     Of a shaft that turns many times, or whose place is not known, the deflection is hardly any part
     of the motion.
     """
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    laws = [(part, slip, 0.0) for part in (0.02, 0.08, 0.2) for slip in (0.015, 0.002, 1e-4)]
+    laws += [(part, 0.002, 1.0) for part in (0.02, 0.08, 0.2)]
     return tuple(
-        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0, 0.0, middle, 0.5 * span)
-        for part in (0.02, 0.08, 0.2)
-        for slip in (0.015, 0.002, 1e-4)
-    )
+        (
+            part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0, 0.0, middle, 0.5 * span,
+            sheared, 0.1 * span,
+        )
+        for part, slip, sheared in laws
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -124,7 +144,8 @@ EFFECT = Effect(
     symptom="at each reversal the device stands still until the drive has changed enough",
     citation="Dupont et al. (2002), IEEE Transactions on Automatic Control 47:787, elasto-plastic "
     "friction; Canudas de Wit et al. (1995), the same 40:419, bristles; Harris (2001), Rolling "
-    "Bearing Analysis, on friction in proportion to the load",
+    "Bearing Analysis, on friction in proportion to the load; Threlfall (1978), Mechanism and "
+    "Machine Theory 13:475, on friction that rises with the speed",
     parameters=parameters,
     starts=starts,
     force=force,
