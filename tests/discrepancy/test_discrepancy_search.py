@@ -970,6 +970,16 @@ def test_a_pair_is_named_beside_another_one_with_nearly_its_error_that_predicts_
     assert (named_against(evidence, sure, rival, held_out) is sure) == named
 
 
+@pytest.mark.parametrize(("error", "named"), [(1.18, False), (1.25, True)])
+def test_a_pair_is_not_named_beside_one_of_other_families_with_nearly_its_error(error, named):
+    """What lags behind the input is a loss and a curve, or a drift and a hum, as well."""
+    evidence, candidate = graded()
+    sure = candidate(1.13, "charge_leakage", "strain_stiffening")
+    rival = candidate(error, "gain_drift", "periodic_disturbance")
+    held_out = {rival.fit: candidate(2.0).fit.residual}
+    assert (named_against(evidence, sure, rival, held_out) is sure) == named
+
+
 def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
     evidence, candidate = graded()
     pair = candidate(1.9, "sensor_lag", "dead_zone")

@@ -16,7 +16,7 @@ from dea.discrepancy.evidence.colour import (
     leaves_coloured_noise,
 )
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.evidence.presence import Presence
+from dea.discrepancy.evidence.presence import Presence, families_of
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.fit import beyond_priors
 from dea.discrepancy.search.candidates import Candidate
@@ -117,7 +117,8 @@ def _stands_alone(
     Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
     alone must leave more than noise, and no other single effect nearly the same misfit, unless that
     predicts blocks left out much worse. A pair can overfit the samples it was fitted to: no other
-    may have nearly its error, unless that one predicts blocks left out worse. A part must leave
+    may have nearly its error, unless that one predicts blocks left out worse and has a family in
+    common with it. What unlike pairs explain alike is explained by none of them. A part must leave
     room for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
@@ -132,9 +133,11 @@ def _stands_alone(
         if len(other.names) != len(surest.names) or other.effects == surest.effects:
             return False
         if len(surest.names) > 1:
+            if not rules.nearly(other.error, surest.error):
+                return False
             predicts = evidence.held_out.rmse
-            nearly = rules.nearly(other.error, surest.error)
-            return nearly and predicts(other.fit) <= predicts(surest.fit)
+            unlike = not families_of(other) & families_of(surest)
+            return unlike or predicts(other.fit) <= predicts(surest.fit)
         if not rules.as_good(other.error, surest.error, evidence.noise_floor):
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
