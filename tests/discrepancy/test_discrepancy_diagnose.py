@@ -19,8 +19,9 @@ from dea.discrepancy import (
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import rmse
 from dea.errors import InputError
-from dea.simulation import load_extended, load_simulation, save_extended
-from dea.store import CONTRACTS
+from dea.simulation import load_extended, load_simulation, prepared, save_extended
+from dea.store import CONTRACTS, Record
+from made_carriage import CARRIAGE
 
 NOISE = 1.5e-3
 # Effects that act on the input, the film, the sensor and over time. The tutorial and the worked
@@ -102,6 +103,24 @@ def test_the_verdict_can_be_written_and_read(creeping, tmp_path):
     path.write_text("{}")
     with pytest.raises(InputError, match="no verdict"):
         read_verdict(path)
+
+
+def test_how_far_a_reading_bends_is_that_of_what_bent_it():
+    """A parabola over the motion of a linear device, less the line fitted to it."""
+    rng = np.random.default_rng(4)
+    u = np.repeat(rng.uniform(-2.0, 2.0, 60), 25)
+    extended = prepared(CARRIAGE, u, 0.02, 1e-4)
+    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 0.02)
+    low, high = y.min(), y.max()
+    bent = y - 0.3 * (y - low) * (high - y) / (high - low)
+    straight = np.polynomial.Polynomial.fit(y, bent, 1)(y)
+    largest = (bent - straight)[np.argmax(np.abs(bent - straight))]
+    made = Record.of(u, bent + 2e-3 * rng.standard_normal(u.size), 50.0, units=("V", "V"))
+    settings = Settings(effects=("sensor_nonlinearity",), budget=SEARCH)
+    [effect] = diagnose(made, CARRIAGE, settings=settings).verdict.effects
+    assert effect.bend.largest == pytest.approx(largest, rel=0.1)
+    assert (effect.bend.unit, effect.bend.name, effect.bend.along) == ("V", "reading", "output")
+    assert low - 0.05 < effect.bend.at < high + 0.05
 
 
 @pytest.mark.slow

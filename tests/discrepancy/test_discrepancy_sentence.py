@@ -21,7 +21,7 @@ from dea.discrepancy.report.sentence import (
     rivals_told,
     verdict_sentence,
 )
-from dea.discrepancy.report.verdict import Change, Estimate, NamedEffect
+from dea.discrepancy.report.verdict import Bend, Change, Estimate, NamedEffect
 from dea.discrepancy.rules import Rules
 from dea.simulation import Input, Parameter, catalogue
 
@@ -333,6 +333,14 @@ def test_a_drift_is_told_by_its_ends():
     drift = replace(drift, change=Change("change of the reading", "mm", 0.0, -0.3))
     told = "`gain_drift` (change of the reading 0 mm at the start and -0.3 mm at the end) removes"
     assert verdict_sentence(diagnosis, [drift]).startswith(told)
+
+
+def test_a_curve_of_the_reading_is_told_by_its_bend():
+    diagnosis = found(Status.NAMED, "sensor_nonlinearity")
+    bend = Bend("reading", "mm", -0.3187, "output", "mm", 1.2)
+    told = "`sensor_nonlinearity` (reading bent by up to -0.319 mm, at output 1.2 mm) removes"
+    curve = replace(named("sensor_nonlinearity"), bend=bend)
+    assert verdict_sentence(diagnosis, [curve]).startswith(told)
 
 
 def test_a_sentence_has_room_for_two_parameters():

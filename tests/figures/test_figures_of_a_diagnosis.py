@@ -266,6 +266,16 @@ def test_a_drift_is_told_by_its_ends_above_its_course():
     assert ax.get_title("right").splitlines()[1:] == ["factor on gain 1 to 0.804"]
 
 
+def test_a_curve_is_told_by_its_bend_above_it():
+    said = verdict()
+    said["effects"][0]["bend"] = {
+        "name": "reading", "unit": "mm", "largest": -0.3187, "along": "output",
+        "unit_along": "mm", "at": 1.2,
+    }  # fmt: skip
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
+    assert ax.get_title("right").splitlines()[1:] == ["bent by up to -0.319 mm"]
+
+
 def test_a_law_is_not_drawn_at_samples_that_are_not_used():
     role = CERTIFICATE["role"].where(TIME >= 3, 0)
     start = CERTIFICATE.assign(

@@ -238,17 +238,24 @@ def rivals_in_words(found: "Diagnosis") -> list[str]:
 def _main(effect: "NamedEffect") -> str:
     """Say the parameters that tell most of an effect.
 
-    Of a drift say where it begins and ends: its parameters are pieces of its course.
+    Of a drift say where it begins and ends, and of a curve of the reading how far it
+    bends: their parameters are pieces of a course.
     """
-    if (change := effect.change) is not None:
-        unit = "" if change.unit == "1" else f" {change.unit}"
+    if (bend := effect.bend) is not None:
         return (
-            f"{change.name} {change.start:.3g}{unit} at the start and {change.end:.3g}{unit} at "
-            "the end"
+            f"{bend.name} bent by up to {_sized(bend.largest, bend.unit)}, at "
+            f"{bend.along} {_sized(bend.at, bend.unit_along)}"
         )
+    if (change := effect.change) is not None:
+        start, end = (_sized(each, change.unit) for each in (change.start, change.end))
+        return f"{change.name} {start} at the start and {end} at the end"
     told = ((name, effect.parameters[name]) for name in effect.quoted[:_QUOTED])
     return ", ".join(
         f"{name.replace('_', ' ')} "
         + estimate(each.value, each.low, each.high, each.unit, at_bound=each.at_bound)
         for name, each in told
     )
+
+
+def _sized(value: float, unit: str) -> str:
+    return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"

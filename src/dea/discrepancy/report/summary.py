@@ -4,14 +4,16 @@ from dataclasses import asdict
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates, quoted
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import rivals_told, verdict_sentence, where_sentence
-from dea.discrepancy.report.verdict import Change, NamedEffect, Verdict
+from dea.discrepancy.report.verdict import Bend, Change, NamedEffect, Verdict
 from dea.discrepancy.rules import misfit
-from dea.simulation import Family, Port, law_courses
+from dea.simulation import Family, LawCourse, Port, law_courses
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -91,6 +93,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 place=place.name if place else None,
                 share=part_removed,
                 change=_change(found, index),
+                bend=_bend(found, index),
                 quoted=quoted(attached, parameters),
             )
         )
@@ -102,12 +105,36 @@ def _change(found: "Diagnosis", index: int) -> Change | None:
     extended, effect = found.final.extended, found.final.extended.attached[index].effect
     if effect.port is not Port.TIME or effect.family is not Family.AGEING or extended.records > 1:
         return None
-    problem = found.problem
-    course = law_courses(extended, found.final.values, problem.u, problem.interval)[index]
+    course = _course(found, index)
     if course is None:
         return None
     start, end = (float(each) for each in course.value.values[[0, -1]])
     return Change(course.value.name, course.value.unit, start, end)
+
+
+def _bend(found: "Diagnosis", index: int) -> Bend | None:
+    """Return how much the effect ``index`` bends, if it is a curve of the reading."""
+    effect = found.final.extended.attached[index].effect
+    curve = effect.port is Port.OUTPUT and effect.family is Family.CURVE
+    course = _course(found, index) if curve else None
+    if course is None:
+        return None
+    along, value = course.along.values[found.problem.seen], course.value.values[found.problem.seen]
+    departure = value - np.polynomial.Polynomial.fit(along, value, 1)(along)
+    most = int(np.argmax(np.abs(departure)))
+    return Bend(
+        course.value.name,
+        course.value.unit,
+        float(departure[most]),
+        course.along.name,
+        course.along.unit,
+        float(along[most]),
+    )
+
+
+def _course(found: "Diagnosis", index: int) -> LawCourse | None:
+    problem, final = found.problem, found.final
+    return law_courses(final.extended, final.values, problem.u, problem.interval)[index]
 
 
 def _shares(found: "Diagnosis") -> list[float | None]:

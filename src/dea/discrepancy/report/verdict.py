@@ -43,6 +43,21 @@ class Change:
 
 
 @dataclass(frozen=True)
+class Bend:
+    """How far a curve departs from the straight line fitted to it, at most, and where it does.
+
+    ``largest`` is in ``unit``, the place ``at`` in ``unit_along``.
+    """
+
+    name: str
+    unit: str
+    largest: float
+    along: str
+    unit_along: str
+    at: float
+
+
+@dataclass(frozen=True)
 class NamedEffect:
     """An effect as it is in the extended simulation, with the names of ``verdict.json``.
 
@@ -64,6 +79,8 @@ class NamedEffect:
         fitted without those named after it.
     change
         Of a drift of one record, what drifts, and its course in two numbers.
+    bend
+        Of a curve of the reading, how much it bends.
     quoted
         The parameters that tell what it is, the most telling first.
     """
@@ -80,6 +97,7 @@ class NamedEffect:
     presence: float = 1.0
     share: float | None = None
     change: Change | None = None
+    bend: Bend | None = None
     quoted: tuple[str, ...] = ()
 
 
@@ -165,6 +183,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
                     "gain": tuple(effect["gain"]),
                     "change": Change(**effect["change"]) if effect.get("change") else None,
+                    "bend": Bend(**effect["bend"]) if effect.get("bend") else None,
                     "quoted": tuple(effect.get("quoted", ())),
                     "rivals": tuple(tuple(rival.split(_JOINED)) for rival in effect["rivals"]),
                 }
