@@ -24,7 +24,8 @@ from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import signals_of
 from dea.errors import InputError
-from dea.resolution import Options
+from dea.resolution import Limits, Options
+from dea.resolution.knowledge import Inquiry
 from dea.resolution.weighing import begun
 from dea.simulation import ExtendedSimulation, catalogue, load_extended, save_extended
 from dea.store import CONTRACTS
@@ -203,5 +204,7 @@ def test_a_record_of_other_inputs_is_refused(record, said):
 
 
 def test_the_design_of_further_records_is_of_one_input():
+    limits = Limits(-1.0, 1.0, np.inf, -1.0, 1.0, 1.0 / INTERVAL)
+    inquiry = Inquiry(simulation, limits, Settings(), Options())
     with pytest.raises(InputError, match="further records can be designed for one input only"):
-        begun([recorded(samples=40)], simulation, Settings(), Options(), 1)
+        begun([recorded(samples=40)], inquiry)
