@@ -114,7 +114,7 @@ def acquire(
         device, settings, plan.counts, reset, _new_token(), latch_file(device), log.started,
         **in_loop,
     )  # fmt: skip
-    samples = _driven(job, plan, partial, watch, log, loop)
+    samples = _driven(job, log, lambda each: _attempt(each, plan, partial, watch, log, loop))
     record = kept_record(
         device, samples, plan.lead, plan.length,
         clock_tolerance=settings.clock_tolerance, armed_by=settings.armed_by,
@@ -128,18 +128,13 @@ def _new_token() -> int:
 
 
 def _driven(
-    job: DriveJob,
-    plan: OutputPlan,
-    partial: Path,
-    watch: Watcher | None,
-    log: LinkLog,
-    loop: ClosedLoop | None,
+    job: DriveJob, log: LinkLog, attempt: Callable[[DriveJob], DrivenSamples]
 ) -> DrivenSamples:
     """Return everything measured in the first attempt that broke off nowhere."""
     broken = None
     for _ in range(job.settings.restarts + 1 if job.settings.on_break == "restart" else 1):
         try:
-            return _attempt(job, plan, partial, watch, log, loop)
+            return attempt(job)
         except BrokenRecordError as error:
             broken = error
             log.errors["restarted"] += 1
