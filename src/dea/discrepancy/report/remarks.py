@@ -1,6 +1,5 @@
 """What a reader must know besides the verdict: timing, parameters at bounds, noise."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,7 +7,7 @@ import numpy as np
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
 from dea.discrepancy.fit import CLOSE, at_bounds, beyond_priors
-from dea.discrepancy.report.sentence import label_in_words
+from dea.discrepancy.report.sentence import label_in_words, labels_in_words
 from dea.simulation import TIMING_OFFSET, Family
 
 if TYPE_CHECKING:
@@ -134,14 +133,11 @@ def _excluded(found: "Diagnosis") -> str:
     several = len(excluded) > 1
     return (
         "The first explanation leads by what it predicts on blocks left out, but "
-        f"{_joined(excluded)} {'have' if several else 'has'} a presence below {100 * least:.3g} %: "
-        f"{'their laws have' if several else 'its law has'} more freedom than this record "
-        f"supports. For its freedom, the explanation with {_joined(likeliest.names)} leaves least."
+        f"{labels_in_words(excluded)} {'have' if several else 'has'} a presence below "
+        f"{100 * least:.3g} %: {'their laws have' if several else 'its law has'} more freedom than "
+        "this record supports. For its freedom, the explanation with "
+        f"{labels_in_words(likeliest.names)} leaves least."
     )
-
-
-def _joined(names: Sequence[str]) -> str:
-    return " and ".join(label_in_words(name) for name in names)
 
 
 def _bounds(found: "Diagnosis") -> str:

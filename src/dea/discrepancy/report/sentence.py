@@ -1,6 +1,6 @@
 """A diagnosis in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
@@ -134,7 +134,7 @@ def _against(found: "Diagnosis") -> str:
     chosen, records = found.decision.chosen, found.decision.contradicted
     if chosen is None or not records:
         return ""
-    laws = " and ".join(label_in_words(label) for label in chosen.labels)
+    laws = labels_in_words(chosen.labels)
     changes = (f"on {name} {_change(each, found.units[1])}" for name, each in records.items())
     return f" (with {laws} the error {', '.join(changes)})"
 
@@ -216,6 +216,11 @@ def label_in_words(label: str) -> str:
     if reaction:
         return f"`{name}` from {equation} to {reaction}"
     return f"`{name}` at {equation}" if equation else f"`{name}`"
+
+
+def labels_in_words(labels: Iterable[str]) -> str:
+    """Return the names of several effects, joined."""
+    return " and ".join(label_in_words(label) for label in labels)
 
 
 def rivals_told(found: "Diagnosis") -> list["Candidate"]:
