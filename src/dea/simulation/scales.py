@@ -51,6 +51,26 @@ class Scales:
         return self.z_high - self.z_low
 
     @property
+    def u_middle(self) -> float:
+        """Middle of the range of the input."""
+        return 0.5 * (self.u_low + self.u_high)
+
+    @property
+    def y_middle(self) -> float:
+        """Middle of the range of the output."""
+        return 0.5 * (self.y_low + self.y_high)
+
+    @property
+    def z_middle(self) -> float:
+        """Middle of the range of the normalised position."""
+        return 0.5 * (self.z_low + self.z_high)
+
+    @property
+    def slow(self) -> float:
+        """Time constant (s) far above the interval, of which the record holds many."""
+        return min(100.0 * self.interval, 0.05 * self.duration)
+
+    @property
     def u_peak(self) -> float:
         """Largest magnitude of the input."""
         return max(abs(self.u_low), abs(self.u_high))

@@ -49,14 +49,14 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("growth_at_ends", "1", 0.0, 0.3, -1.0, 2.0, shape=True),
         Parameter("drag", "s", 0.0, 2.0 * dt, 0.0, 0.1 * scales.duration, shape=True),
         Parameter("place", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
-        Parameter("middle", unit, 0.5 * (scales.y_low + scales.y_high), 0.0),
+        Parameter("middle", unit, scales.y_middle, 0.0),
         Parameter("half_range", unit, 0.5 * span, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return a narrow and a wide gap, from either end and the middle."""
-    span, middle = scales.y_span, 0.5 * (scales.y_low + scales.y_high)
+    span, middle = scales.y_span, scales.y_middle
     return tuple(
         (part * span, 0.0, 0.0, 0.0, place, middle, 0.5 * span)
         for part in (0.03, 0.15)

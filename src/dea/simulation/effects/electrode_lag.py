@@ -84,7 +84,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     laws += [(0.3 * dt, 0.1, 1.0, 2.0, 0.0)]
     if not scales.bipolar:
         laws += [(samples * dt, 0.1, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
-    laws += [(0.3 * dt, 0.1, 1.0, 0.0, 1.0), (min(100.0 * dt, 0.05 * duration), 0.7, 1.0, 0.0, 0.0)]
+    laws += [(0.3 * dt, 0.1, 1.0, 0.0, 1.0), (scales.slow, 0.7, 1.0, 0.0, 0.0)]
     return tuple(
         (time, 0.1, near, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
         for time, near, falling, growth, ageing in laws

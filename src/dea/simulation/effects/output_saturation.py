@@ -29,7 +29,7 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return upper and lower end, sharpness of the corners, remaining slope, and the middle."""
     unit, low, high, span = scales.y_unit, scales.y_low, scales.y_high, scales.y_span
-    middle = 0.5 * (low + high)
+    middle = scales.y_middle
     return (
         Parameter("upper_end", unit, high, 0.3 * span, middle, high + 3.0 * span),
         Parameter("lower_end", unit, low - 0.2 * span, 0.3 * span, low - 3.0 * span, middle),
@@ -42,7 +42,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return hard and soft upper ends, near the top and deeper in, and a hard lower end."""
     low, high, span = scales.y_low, scales.y_high, scales.y_span
-    middle, far = 0.5 * (low + high), low - 2.0 * span
+    middle, far = scales.y_middle, low - 2.0 * span
     return (
         (high - 0.01 * span, far, 60.0, 0.0, middle),
         (high - 0.1 * span, far, 30.0, 0.0, middle),

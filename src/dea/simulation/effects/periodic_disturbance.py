@@ -63,7 +63,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         *_line("opposite", opposite, resolved, size, scales),
         Parameter("growth", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
-        Parameter("middle", unit, 0.5 * (scales.y_low + scales.y_high), 0.0),
+        Parameter("middle", unit, scales.y_middle, 0.0),
         Parameter("half_range", unit, 0.5 * span, 0.0),
     )
 
@@ -102,7 +102,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
-    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
+    middle, half = scales.y_middle, 0.5 * scales.y_span
     amplitudes = (0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS))
     beside = [v for line in _lines_beside(scales) for v in (line or 0.0, 0.0, 0.0)]
     rest = (*amplitudes, *beside, 0.0, scales.duration, middle, half)

@@ -83,7 +83,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
     And the part of the stiffness that is of Duhem's type.
     """
-    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    span, middle = scales.z_span, scales.z_middle
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True, at_port="stiffness"),
         Parameter(
@@ -109,7 +109,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return loops narrower and wider than the motion, that saturate at both ends, and Duhem's."""
-    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    span, middle = scales.z_span, scales.z_middle
     stops = ((0.2, 0.0), (0.6, 0.0), (1.5, 0.0), (0.2, -2.0), (0.6, -2.0))
     loops = (*((*each, 0.0) for each in stops), (0.2, 0.0, 1.0), (0.6, 0.0, 1.0))
     return tuple(

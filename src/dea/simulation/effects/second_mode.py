@@ -117,7 +117,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
 
 
 def _start(scales: Scales) -> float:
-    return 0.0 if scales.inertia else 0.5 * (scales.z_low + scales.z_high)
+    return 0.0 if scales.inertia else scales.z_middle
 
 
 EFFECT = Effect(

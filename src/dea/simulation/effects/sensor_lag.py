@@ -77,7 +77,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     And the logarithm of the rate at the upper end of the range, over that in its middle, and by
     which share the reading sets it.
     """
-    dt, middle = scales.interval, 0.5 * (scales.y_low + scales.y_high)
+    dt, middle = scales.interval, scales.y_middle
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.3 * scales.duration, log=True),
         Parameter("damping", "1", 1.5, 0.7, 0.15, 5.0, log=True, shape=True),
@@ -95,15 +95,14 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
 
     And a slow part, beside which the rest follows at once.
     """
-    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
-    slow = min(100.0 * scales.interval, 0.05 * scales.duration)
+    middle, half = scales.y_middle, 0.5 * scales.y_span
     return (
         *(
             (samples * scales.interval, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half)
             for samples in (2.0, 8.0, 30.0)
         ),
         (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
-        (slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
+        (scales.slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
     )
 
 

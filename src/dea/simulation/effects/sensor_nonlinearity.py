@@ -53,7 +53,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter(
             "corner_width", unit, 0.01 * span, 1.0, 1e-4 * span, 0.3 * span, log=True, shape=True
         ),
-        Parameter("middle", unit, 0.5 * (low + high), 0.0),
+        Parameter("middle", unit, scales.y_middle, 0.0),
         Parameter("half_range", unit, 0.5 * span, 0.0),
     )
 

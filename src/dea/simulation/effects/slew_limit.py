@@ -40,7 +40,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the rising rate, the falling one's ratio to it, lags, and how each rate grows."""
     rate, dt = max(scales.u_rate, 1e-9), scales.interval
-    middle, half = 0.5 * (scales.u_low + scales.u_high), 0.5 * max(scales.u_span, 1e-9)
+    middle, half = scales.u_middle, 0.5 * max(scales.u_span, 1e-9)
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
         Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
@@ -56,7 +56,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return rates below the fastest change of the input."""
     dt = scales.interval
-    middle, half = 0.5 * (scales.u_low + scales.u_high), 0.5 * max(scales.u_span, 1e-9)
+    middle, half = scales.u_middle, 0.5 * max(scales.u_span, 1e-9)
     return tuple(
         (part * scales.u_rate, 1.0, 0.2 * dt, 0.5 * dt, 0.0, 0.0, middle, half)
         for part in (0.7, 0.4, 0.2, 0.05)

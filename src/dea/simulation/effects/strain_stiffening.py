@@ -59,14 +59,14 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0, shape=n > 1)
             for n, spread in enumerate(curve_modes()[1], 1)
         ),
-        Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("middle", "1", scales.z_middle, 0.0),
         Parameter("half_range", "1", 0.5 * _COVERED * scales.z_span, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return a weak cubic, a steep law, a softening, and curves that are bent either way."""
-    end = (0.5 * (scales.z_low + scales.z_high), 0.5 * _COVERED * scales.z_span)
+    end = (scales.z_middle, 0.5 * _COVERED * scales.z_span)
 
     def bent(size: float) -> tuple[float, ...]:
         return tuple(size * float(n == 0) for n in range(MODES))

@@ -114,7 +114,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("response", "1", 1.0, 0.0, 0.0, 1.0),
         Parameter("fastest_time", "s", first, 0.0),
         Parameter("time_ratio", "1", ratio, 0.0),
-        Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("middle", "1", scales.z_middle, 0.0),
         Parameter("half_range", "1", 0.5 * scales.z_span, 0.0),
     )
 
@@ -123,7 +123,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return creep over all times, mostly slow and mostly fast, from the middle and from rest."""
     first, ratio = _times(scales)
     branch = np.arange(BRANCHES)
-    middle, half = 0.5 * (scales.z_low + scales.z_high), 0.5 * scales.z_span
+    middle, half = scales.z_middle, 0.5 * scales.z_span
     end = (0.1 * scales.duration, 0.0, 0.0, 0.0, 0.2, 1.0, first, ratio, middle, half)
     return tuple(
         (0.05, 0.9, *(1.0 - ((branch - strongest) / 4.0) ** 2), position, 0.0, *end)
