@@ -64,6 +64,12 @@ def memory(q: np.ndarray) -> np.ndarray:
     return state
 
 
+def _rate(name: str, spread: float, span: float) -> Parameter:
+    """Return a speed that shapes the law, in terms of the ``span`` of the motion."""
+    limits = 1e-3 * span, 10.0 * span
+    return Parameter(name, "1/s", 0.1 * span, spread, *limits, log=True, shape=True, at_port="rate")
+
+
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the force, deflection before slip, excess of stiction, Stribeck rate, and the start.
 
@@ -87,35 +93,15 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             at_port="length",
         ),
         Parameter("stiction_excess", "1", 0.0, 0.5, 0.0, 5.0, shape=True),
-        Parameter(
-            "stribeck_rate",
-            "1/s",
-            0.1 * span,
-            1.0,
-            1e-3 * span,
-            10.0 * span,
-            log=True,
-            shape=True,
-            at_port="rate",
-        ),
+        _rate("stribeck_rate", 1.0, span),
         Parameter("start_deflection", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
         Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),
         Parameter("asymmetry", "1", 0.0, 0.15, -0.5, 0.5, shape=True),
         Parameter("load_growth", "1", 0.0, 0.3 * scales.placed, -0.6, 0.6, shape=True),
-        Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("middle", "1", scales.z_middle, 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
         Parameter("sheared_part", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
-        Parameter(
-            "shear_rate",
-            "1/s",
-            0.1 * span,
-            1.5,
-            1e-3 * span,
-            10.0 * span,
-            log=True,
-            shape=True,
-            at_port="rate",
-        ),
+        _rate("shear_rate", 1.5, span),
     )
 
 
@@ -125,7 +111,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     Of a shaft that turns many times, or whose place is not known, the deflection is hardly any part
     of the motion.
     """
-    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    span, middle = scales.z_span, scales.z_middle
     laws = [(part, slip, 0.0) for part in (0.02, 0.08, 0.2) for slip in (0.015, 0.002, 1e-4)]
     laws += [(part, 0.002, 1.0) for part in (0.02, 0.08, 0.2)]
     return tuple(
