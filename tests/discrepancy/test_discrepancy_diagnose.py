@@ -22,6 +22,7 @@ from dea.errors import InputError
 from dea.simulation import load_extended, load_simulation, prepared, save_extended
 from dea.store import CONTRACTS, Record
 from made_carriage import CARRIAGE
+from user_simulation import write_simulation
 
 NOISE = 1.5e-3
 # Effects that act on the input, the film, the sensor and over time. The tutorial and the worked
@@ -41,6 +42,17 @@ def diagnosed(*effects, seed=3, offered=OFFERED, workers=1):
 @pytest.fixture(scope="module")
 def creeping():
     return diagnosed(("viscoelastic_creep", 3.0))
+
+
+def test_a_device_of_which_no_mode_decays_gets_a_verdict(tmp_path):
+    """A tank without an outlet: its level is the integral of what flows in."""
+    tank = load_simulation(write_simulation(tmp_path / "tank.py", slope="p[0] * p[1] * u"))
+    rng = np.random.default_rng(1)
+    inflow = np.repeat(rng.uniform(-1.0, 1.0, 60), 10)
+    level = 0.02 * 2.0 * (np.cumsum(inflow) - inflow) + 1e-3 * rng.standard_normal(inflow.size)
+    made = Record.of(inflow, level, 50.0, units=("V", "mm"))
+    settings = Settings(effects=("sensor_lag", "gain_drift"), budget=SEARCH)
+    assert diagnose(made, tank, settings=settings).verdict.status == "none"
 
 
 @pytest.mark.slow

@@ -212,7 +212,8 @@ def motion(
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
     """Return the slowest time constant (s) of the simulation at its start under the mean input.
 
-    0 where no mode decays. ``u`` is the input (n,), of several inputs (n, inputs).
+    0 where no mode decays, as of an integrator. ``u`` is the input (n,), of several inputs
+    (n, inputs).
     """
     own = extended.simulation
     x = np.array([state.initial for state in own.states])

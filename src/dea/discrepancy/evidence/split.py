@@ -57,7 +57,7 @@ class Split:
     """Masks over the samples of a record, and the spacing between blocks.
 
     The spacing is given in samples, and in the slowest time constants of the device; ``slowest`` is
-    that time in samples.
+    that time in samples, 0 where no mode decays.
     """
 
     fit: np.ndarray

@@ -97,7 +97,7 @@ def _close(found: "Diagnosis") -> str:
 
 def _rare(found: "Diagnosis") -> str:
     """Say that the samples are too far apart for any dynamics to be seen."""
-    if found.split.slowest >= _RARE:
+    if found.split.slowest >= _RARE or found.split.slowest == 0.0:
         return ""
     return (
         f"The samples are {1.0 / found.split.slowest:.2g} of the simulation's slowest time "
