@@ -546,6 +546,7 @@ def test_it_is_told_that_samples_are_too_far_apart():
         "show the device at rest alone: check the sampling rate."
     )
     assert remarks(found(Status.NAMED, "sensor_lag", slowest=0.1)) == ()
+    assert remarks(found(Status.NAMED, "sensor_lag", slowest=0.0)) == ()
 
 
 def test_samples_far_from_their_neighbours_are_counted():
@@ -569,7 +570,7 @@ def test_what_explains_little_is_neither_spoken_of_nor_an_error_to_live_with():
     assert "accuracy" not in sentence(told)
     told.gap = 1.0
     assert "Most explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
-    assert "`accuracy: 0.28`" in sentence(told)
+    assert "accuracy=0.28)`" in sentence(told)
     assert "though it may be what is missing" in sentence(told)
     told.presence.effects["end_stop"] = 0.999
     assert "All likely explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
@@ -626,7 +627,7 @@ def test_parameters_of_laws_at_their_bounds_are_told(at_bounds, remark):
 def test_coloured_error_is_told_where_the_sentence_does_not_deny_it(left, accuracy, reason, told):
     noise = (
         "The best explanation leaves 0.02 mm (RMS) of coloured error beyond the white noise of "
-        "0.01 mm; `accuracy: 0.02` in the simulation counts it as known error."
+        "0.01 mm; `Simulation(…, accuracy=0.02)` counts it as known error."
     )
     diagnosis = found(Status.NONE, reason=reason, left=left, accuracy=accuracy)
     assert remarks(diagnosis) == ((noise,) if told else ())
@@ -694,4 +695,4 @@ def test_a_force_that_no_effect_has_is_described_where_nothing_is_named(status, 
         "the simulation alone, on samples that it was not fitted to."
     )
     assert (expected in text) is told
-    assert ("`accuracy: 0.05`" in text) is not told
+    assert ("accuracy=0.05)`" in text) is not told

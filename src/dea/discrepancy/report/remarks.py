@@ -195,6 +195,6 @@ def _noise(found: "Diagnosis") -> str:
         counted = "would count it as known error, though it may be what is missing"
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
-        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.left:.2g}` in the "
-        f"simulation {counted}."
+        f"the white noise of {error.white:.2g} {unit}; `Simulation(…, "
+        f"accuracy={error.left:.2g})` {counted}."
     )
