@@ -233,6 +233,19 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
     path.write_text(text.replace("dead_zone.bend", "dead_zone.bent"))
     with pytest.raises(InputError, match=r"parameters\.dead_zone\.bend: it has no value"):
         load_extended(path)
+    path.write_text(text.replace("interval: ", "interval: about "))
+    with pytest.raises(InputError, match="it is no extended simulation"):
+        load_extended(path)
+
+
+@pytest.mark.parametrize("text", ["a: [", "[1, 2]", "4.0", "", "effects:\neffects:\n"])
+def test_a_file_that_is_no_saved_simulation_is_refused_on_one_line(tmp_path, text):
+    path = tmp_path / "extended_simulation.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        load_extended(path)
+    assert str(path) in str(refused.value)
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

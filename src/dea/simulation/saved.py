@@ -1,12 +1,13 @@
 """Extended simulations as files: they load and simulate without the record they came from."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from dea.configuration.files import read_yaml
 from dea.errors import InputError
 from dea.simulation.attached import Attached
 from dea.simulation.effects import catalogue
@@ -83,18 +84,13 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
     Raises
     ------
     InputError
-        If the file is no extended simulation, or names an unknown effect or parameter.
+        If the file cannot be read, is no extended simulation, or names an unknown effect or
+        parameter.
     """
-    import yaml
-
     file = Path(path)
-    if not file.exists():
-        raise InputError(
-            "the file does not exist",
-            file=file,
-            remedy="Correct the path, or make it with `dea.diagnose` or the rule diagnose",
-        )
-    content = yaml.safe_load(file.read_text())
+    content = read_yaml(
+        file, what="the extended simulation", example="one that a diagnosis has saved"
+    )
     try:
         effects = content["effects"]
         unknown = sorted({e["name"] for e in effects} - set(catalogue()))
@@ -131,7 +127,7 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
                 )
         values = np.array([own[name]["value"] for name in extended.names])
         return extended, values, float(content["interval"])
-    except (KeyError, TypeError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"it is no extended simulation ({type(error).__name__}: {error})",
             file=file,
@@ -140,11 +136,12 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        key: [float(v) for v in value] if isinstance(value, Sequence) and not isinstance(value, str)
-        else float(value) if isinstance(value, int | float) else value
-        for key, value in values.items()
-    }  # fmt: skip
+    def plain(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return [float(each) for each in value]
+        return value if isinstance(value, bool | str) else float(value)
+
+    return {key: plain(value) for key, value in values.items()}
 
 
 def _tuples(values: Mapping[str, Any]) -> dict[str, Any]:
