@@ -93,6 +93,8 @@ def test_what_a_course_is_compared_with_is_held_out_in_the_same_blocks(drifting)
     held_out = HeldOut(problem)
     long, short = held_out.residual(alone), held_out.residual(alone, fitted)
     assert not np.allclose(long, short)
+    assert held_out.compared([alone, fitted]) == [problem.seen_rmse(short), held_out.rmse(fitted)]
+    assert held_out.compared([alone]) == [problem.seen_rmse(long)]
     for fold in folds(problem, fitted.records):
         again = fit(
             problem.seeing(~fold),

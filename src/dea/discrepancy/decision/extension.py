@@ -49,10 +49,13 @@ def best_extension(
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
         leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
-        errors = {id(c): held_out.rmse(c.fit) for c in leading}
-        best = min(errors.values())
-        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise_floor)]
-        return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
+        errors = held_out.compared([c.fit for c in leading])
+        equal = [
+            (round(c.freedom), error, place)
+            for place, (c, error) in enumerate(zip(leading, errors, strict=True))
+            if rules.as_good(error, min(errors), evidence.noise_floor)
+        ]
+        return leading[min(equal)[-1]]
 
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
@@ -65,8 +68,10 @@ def best_extension(
         left = evidence.problem.seen_rmse(before.residual)
         in_time = not transferable(best.fit.extended)
         complete = in_time and rules.completes(best.rmse, left, floor)
-        if not complete and held_out.rmse(best.fit) >= held_out.rmse(before, best.fit):
-            continue
+        if not complete:
+            with_more, with_less = held_out.compared([best.fit, before])
+            if with_more >= with_less:
+                continue
         if chosen is None:
             # Two effects at once, neither of which is proven alone, must remove twice the margin.
             if low > -np.log1p(-2 * rules.margin):

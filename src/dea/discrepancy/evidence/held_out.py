@@ -58,6 +58,11 @@ class HeldOut:
         """Return its root mean square over the seen samples."""
         return self._problem.seen_rmse(self.residual(fitted, beside))
 
+    def compared(self, fits: Sequence[Fit]) -> list[float]:
+        """Return the root mean square of each fit, the same blocks held out of all."""
+        beside = next(filter(_has_course, fits), None)
+        return [self.rmse(fitted, beside) for fitted in fits]
+
     def _cross_validated(self, fitted: Fit, short: bool) -> tuple[np.ndarray, np.ndarray]:
         result = fitted.residual.copy()
         estimates = []
