@@ -39,7 +39,7 @@ def score_tests(
     rows, others = [], []
     for file in test:
         signals = _signals_like(known, file, start)
-        rows.append(_scores(narx, signals, narx.max_lag))
+        rows.append(_scores(narx, signals, start))
         others.append([_scores(each, signals, start)[:2] for each in simpler.values()])
     dataset = _dataset([file.stem for file in test], rows, list(simpler), others, known.y_units)
     for name, value, label in (
