@@ -68,8 +68,8 @@ class Diagnosis:
         The simulation as it was, refitted, and with the effects that are named.
     pool
         The best candidate of every effect set tried, best first.
-    floor
-        Noise floor in the output's unit.
+    noise_floor
+        In the output's unit.
     presence, error
         How sure it is that each effect is part of the answer, and what the best answer leaves.
     final, spread

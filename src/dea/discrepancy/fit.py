@@ -83,7 +83,7 @@ class Columns:
     Parameters
     ----------
     held : (k,) bool, optional
-        Coordinates that stay where they start; their columns are zero.
+        Coordinates that stay where they start; their columns are zero, except those ``kept``.
     kept : (n, m), optional
         Columns for the first m coordinates that are used as they are, which saves simulations.
     slow

@@ -59,10 +59,10 @@ class Budget:
         A record of at least twice as many samples is decimated to no fewer, where it is sampled
         much faster than it moves, and than the simulation takes steps.
     long_record
-        A record of more samples gets half of the counts above but as many effects, one shake, and
-        no exchange. If it is sampled much faster than it moves, it gets all of the finished
-        candidates and twice the last steps, otherwise half of the screening and ten times the
-        tolerance.
+        A record of more samples gets half of ``starts``, ``finished``, ``beam``, ``kept`` and
+        ``restarted``, one shake, and no exchange. If it is sampled much faster than it moves, it
+        gets all of the finished candidates and twice the last steps, otherwise half of the
+        screening and ten times the tolerance.
     """
 
     starts: int = 4
