@@ -350,7 +350,9 @@ class Guardian:
         """Take the output to zero, whatever fails and however long it takes."""
         # Each attempt is short: what repeats them is the loop below.
         retries = min(self.job.settings.retries, ZERO_RETRIES)
-        self.link.settings = LinkSettings(self.job.settings.timeout, retries, 0.0)
+        self.link.settings = LinkSettings(
+            timeout=self.job.settings.timeout, retries=retries, reconnect_time=0.0
+        )
         self.link.on_connect = self.output.reclaim
         way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
         failing: float | None = None
