@@ -37,6 +37,9 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
         _difference(axes[2, column], part, "phase", 1.0)
         _even(axes[3, column], part)
         axes[0, column].set_title(style.moment(float(part["time"]), times))
+        for ax in axes[:2, column]:
+            ax.sharex(axes[2, column])
+            ax.tick_params(labelbottom=False)
         for ax in axes[:3, column]:
             ax.set_xscale("log")
             style.plain_log_ticks(ax.xaxis)
