@@ -13,7 +13,7 @@ from dea.figures import style
 from dea.figures.laws import parameters, shape, tell, text_height
 from dea.figures.lettering import in_words
 from dea.number_format import share
-from dea.store import Sources
+from dea.store import Role, Sources
 
 # Ends of a logarithmic axis beyond what is drawn on it.
 _BESIDE = 1.3
@@ -126,7 +126,7 @@ def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _certified(certificate: xr.Dataset) -> list[slice]:
     """Return the runs of role certify; of several records one each."""
-    held = np.concatenate([[0], certificate["role"].values == 3, [0]])
+    held = np.concatenate([[0], certificate["role"].values == Role.CERTIFY, [0]])
     edges = np.flatnonzero(np.diff(held)).tolist()
     return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 

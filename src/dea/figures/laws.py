@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dea.figures import style
 from dea.figures.lettering import in_words
 from dea.number_format import estimate, written_out
+from dea.store import Role
 
 # Most points of a law that are drawn, and most parameters in the text above it.
 _MOST_POINTS = 3000
@@ -40,7 +41,7 @@ def shape(ax: Axes, certificate: xr.Dataset, number: int, unit: str) -> None:
     value_units = certificate[names[1]].attrs["units"]
     over_time = certificate[names[0]].attrs["long_name"] == "time"
     if not over_time:
-        certificate = certificate.isel(time=certificate["role"].values > 0)
+        certificate = certificate.isel(time=certificate["role"].values != Role.UNUSED)
     parts = [
         _length_in(certificate[name], along_units if name == names[0] else value_units, unit)
         for name in names

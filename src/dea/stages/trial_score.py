@@ -79,7 +79,7 @@ def _said(
 
     verdict = read_verdict(verdicts / f"{trial.name}.json")
     certificate = store.read(verdicts / f"{trial.name}.nc")
-    certified = certificate["role"].values == CERTIFY
+    certified = certificate["role"].values == store.Role.CERTIFY
     samples = np.rint(certificate["time"].values * trial.sampling_rate).astype(int)[certified]
     wrong = certificate["extended"].values[certified] - np.load(truth)[first + samples]
     return trials.Said(
@@ -99,8 +99,6 @@ def _said(
         },
     )
 
-
-CERTIFY = 3  # role of a sample in a certificate (docs/architecture.md)
 
 if __name__ == "__main__":
     run(

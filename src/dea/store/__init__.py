@@ -18,6 +18,7 @@ from dea.store.record_checks import check_record
 from dea.store.record_file import read_record
 from dea.store.records import flag_counts, signals
 from dea.store.resampling import check_order, samples_per_interval, usual_interval
+from dea.store.role import Role
 from dea.store.sources import Sources
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Described",
     "ForeignTable",
     "Record",
+    "Role",
     "SeveralSheetsError",
     "Sources",
     "Text",

@@ -11,7 +11,7 @@ from dea.discrepancy.report.law_bands import banded_laws
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
-from dea.store import Described, variable
+from dea.store import Described, Role, variable
 
 _GAIN = "log ratio of RMSE without and with it, held-out; of unfinished ones where they were fitted"
 
@@ -92,7 +92,8 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     Of each law that is named, also its course over the record, with a band.
     """
     problem, unit = diagnosis.problem, diagnosis.units[1]
-    role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
+    used = [problem.fit, problem.select, problem.certify]
+    role = np.select(used, [Role.FIT, Role.SELECT, Role.CERTIFY], Role.UNUSED)
     data = {
         "input": variable(
             "time" if len(diagnosis.inputs) == 1 else ("time", "signal"),
@@ -119,7 +120,7 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             {
                 "units": "1",
                 "long_name": "use of the sample",
-                "flag_meanings": "unused fit select certify",
+                "flag_meanings": " ".join(each.name.lower() for each in Role),
             },
         ),
         "noise_floor": variable((), diagnosis.noise_floor, unit, "noise floor"),
