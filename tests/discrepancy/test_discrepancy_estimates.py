@@ -6,6 +6,7 @@ from types import MappingProxyType, SimpleNamespace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.stats import norm
 
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
@@ -30,6 +31,8 @@ def law_of(parameters, coordinates, defining="", units=MappingProxyType({}), hig
     return SimpleNamespace(extended=extended, coordinates=coordinates, values=values), attached
 
 
+# Standard deviations from the middle of a normal law to the end of its 95 % interval.
+END = float(norm.ppf(0.975))
 PARAMETERS = (
     Parameter("even", "1", 0.0, 1.0),
     Parameter("cubic", "1", 0.0, 2.0),
@@ -47,9 +50,9 @@ def test_the_defining_parameter_comes_first_then_what_moved_furthest():
     found = estimates(fit, 0, DEVIATION)
     assert list(found) == ["time", "ratio", "cubic", "even", "begun"]
     assert found["cubic"].value == pytest.approx(-0.3)
-    assert found["cubic"].low == pytest.approx(-0.3 - 1.96 * 0.04)
+    assert found["cubic"].low == pytest.approx(-0.3 - END * 0.04)
     assert found["cubic"].moved == pytest.approx(7.5)
-    assert found["ratio"].high == pytest.approx(np.exp(1.0 + 1.96 * 0.05))
+    assert found["ratio"].high == pytest.approx(np.exp(1.0 + END * 0.05))
     assert quoted(attached, found) == ("time", "ratio", "cubic")
 
 
@@ -85,7 +88,7 @@ def test_what_a_port_normalises_is_in_the_unit_that_the_simulation_gives_it():
     )  # fmt: skip
     assert not found["radius"].at_bound
     assert found["radius"].value == pytest.approx(-0.5)
-    assert found["radius"].low == pytest.approx(-0.5 * np.exp(0.196))
+    assert found["radius"].low == pytest.approx(-0.5 * np.exp(0.1 * END))
     assert (found["radius"].unit, found["radius"].prior) == ("mm", -1.0)
     assert (found["stiffness"].unit, found["stiffness"].origin) == ("1", 0.0)
 
@@ -153,7 +156,7 @@ def test_a_direction_ends_where_its_cost_has_risen(power, end):
     """A cost of any steepness along one coordinate, of which the curvature knows nothing."""
 
     def residual(x):
-        return np.array([(abs(x[0]) / (1.96 * end)) ** (power / 2) * 1.96, 0.0])
+        return np.array([(abs(x[0]) / (END * end)) ** (power / 2) * END, 0.0])
 
     problem, fitted = fit_of(residual, np.zeros(1))
     [[variance]] = shortened(problem, fitted, np.eye(1), 1.0)
@@ -168,7 +171,7 @@ def test_a_wall_ends_a_direction_and_a_closed_side_does_not_count():
     problem, fitted = fit_of(residual, np.zeros(1), low=-1e-3)
     fitted = replace(fitted, jacobian=np.zeros((1, 1)))
     [[variance]] = shortened(problem, fitted, np.eye(1), 1.0)
-    assert 1.96 * np.sqrt(variance) == pytest.approx(1.0, rel=0.02)
+    assert END * np.sqrt(variance) == pytest.approx(1.0, rel=0.02)
 
 
 @pytest.mark.parametrize("slope", [0.0, 1e-5, 1e-3])
@@ -188,8 +191,8 @@ def test_a_stop_that_is_not_reached_is_unsure_whatever_is_beside_it(slope):
     curved = fitted.covariance(problem.seen, 1.0)
     found = np.sqrt(np.diag(shortened(problem, fitted, curved, 1.0)))
     expected = np.sqrt(np.diag(curved))
-    # The cost of the fifth, 1e6 x^4, has risen by 1.96^2 at the end of its interval.
-    expected[4] = np.sqrt(1.96e-3) / 1.96
+    # The cost of the fifth, 1e6 x^4, has risen by END^2 at the end of its interval.
+    expected[4] = np.sqrt(1e-3 * END) / END
     assert found == pytest.approx(expected, rel=0.05)
 
 

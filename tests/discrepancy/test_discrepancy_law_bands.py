@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
@@ -55,7 +56,7 @@ def test_the_band_of_a_law_that_is_linear_in_its_parameters_is_exact():
         moved[position] = 1.0
         columns.append(courses_of(fit, moved)[0].value.values - law.course.value.values)
     J = np.column_stack(columns)
-    half = 1.96 * np.sqrt(np.einsum("ni,ij,nj->n", J, C[np.ix_(own, own)], J))
+    half = norm.ppf(0.975) * np.sqrt(np.einsum("ni,ij,nj->n", J, C[np.ix_(own, own)], J))
     assert half.max() > 1e-3
     np.testing.assert_allclose(law.high - law.course.value.values, half, atol=1e-9)
     np.testing.assert_allclose(law.course.value.values - law.low, half, atol=1e-9)

@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.confidence import DEVIATIONS
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
 from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.report.steepness import INTERVAL, shortened
+from dea.discrepancy.report.steepness import shortened
 from dea.discrepancy.report.verdict import Estimate
 from dea.simulation import Attached
 
@@ -66,8 +67,8 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
             for each in (
                 float(values[i]),
                 parameter.value(0.0),
-                parameter.value(at - INTERVAL * error),
-                parameter.value(at + INTERVAL * error),
+                parameter.value(at - DEVIATIONS * error),
+                parameter.value(at + DEVIATIONS * error),
             )
         )
         estimate = Estimate(
@@ -97,6 +98,6 @@ def quoted(attached: Attached, found: Mapping[str, Estimate]) -> tuple[str, ...]
     told = (
         name
         for name, each in found.items()
-        if name == defining or (each.moved > INTERVAL and name not in states)
+        if name == defining or (each.moved > DEVIATIONS and name not in states)
     )
     return tuple(told) or tuple(found)[:1]

@@ -4,9 +4,9 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from dea.confidence import DEVIATIONS
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.discrepancy.report.steepness import INTERVAL
 from dea.simulation import LawCourse, law_courses
 
 
@@ -47,7 +47,7 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
         own = np.flatnonzero((extended.free >= where.start) & (extended.free < where.stop))
         variances, axes = np.linalg.eigh(covariance[np.ix_(own, own)])
         above, below = np.zeros(samples.size), np.zeros(samples.size)
-        for step in (INTERVAL * np.sqrt(np.maximum(variances, 0.0)) * axes).T:
+        for step in (DEVIATIONS * np.sqrt(np.maximum(variances, 0.0)) * axes).T:
             moved = np.zeros(fit.coordinates.size)
             moved[own] = step
             changes = np.array(

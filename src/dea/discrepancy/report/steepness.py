@@ -9,11 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dea.confidence import DEVIATIONS
 from dea.discrepancy.fit import Fit, cost_of
 from dea.discrepancy.problem import Problem
 
-# Standard deviations of a 95 % interval.
-INTERVAL = 1.96
 # Deviation, in prior spreads, up to which a cost counts as a parabola.
 _SURE = 0.05
 # Evaluations along a way, how far the rise may be from one at its end, and above which rise it is
@@ -54,12 +53,12 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
             return 0.0
 
         def rise(part: float) -> float:
-            return (cost(np.clip(centre + part * way, low, high)) - lowest) / INTERVAL**2
+            return (cost(np.clip(centre + part * way, low, high)) - lowest) / DEVIATIONS**2
 
         return _where_one(rise)
 
     def part_of(length: float, axis: np.ndarray) -> float:
-        way = INTERVAL * np.sqrt(length) * axis
+        way = DEVIATIONS * np.sqrt(length) * axis
         # Where bounds close both sides, nothing is known against the length.
         return max(one_side(way), one_side(-way)) or 1.0
 
