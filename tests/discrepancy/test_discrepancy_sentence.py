@@ -102,7 +102,7 @@ def found(
             decimation=decimation,
         ),
         split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart, slowest=slowest),
-        gap=gap,
+        above_white=gap,
         noise_floor=white,
         floor=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),
@@ -568,7 +568,7 @@ def test_what_explains_little_is_neither_spoken_of_nor_an_error_to_live_with():
     )
     assert "end_stop" not in sentence(told)
     assert "accuracy" not in sentence(told)
-    told.gap = 1.0
+    told.above_white = 1.0
     assert "Most explanations hold `end_stop`; the best leaves 0.28 mm" in sentence(told)
     assert "accuracy=0.28)`" in sentence(told)
     assert "though it may be what is missing" in sentence(told)

@@ -128,7 +128,7 @@ class Diagnosis:
         return float(np.hypot(self.noise_floor, self.nominal.extended.simulation.accuracy))
 
     @property
-    def gap(self) -> float:
+    def above_white(self) -> float:
         """RMS that the simulation alone leaves beyond white noise, on the samples seen."""
         return misfit(self.problem.seen_rmse(self.nominal.residual), self.error.white)
 

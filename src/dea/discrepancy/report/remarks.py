@@ -187,7 +187,7 @@ def _noise(found: "Diagnosis") -> str:
     stated = found.nominal.extended.simulation.accuracy
     if error.left <= max(_COLOURED * error.white, stated):
         return ""
-    if found.decision.status is Status.UNKNOWN and error.left > _SMALL * found.gap:
+    if found.decision.status is Status.UNKNOWN and error.left > _SMALL * found.above_white:
         # What is missing would be counted as known.
         return ""
     counted = "counts it as known error"

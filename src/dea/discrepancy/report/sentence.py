@@ -186,7 +186,7 @@ def _nearest(found: "Diagnosis") -> str:
     if not likely:
         return ""
     best = next((c for c in found.pool if c.finished and likely[0] in c.names), None)
-    if best is None or misfit(best.rmse, found.error.white) > _LEFT * found.gap:
+    if best is None or misfit(best.rmse, found.error.white) > _LEFT * found.above_white:
         return ""
     sure = found.presence.effects[likely[0]] >= _SURE
     holders = "All likely explanations" if sure else "Most explanations"
