@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dea.narx.residuals import TESTS
 from dea.store import CONTRACTS
 
 TERMS = ["1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-3)^2"]
-TESTS = ["phi_ee", "phi_eu", "phi_e(eu)", "phi_u2e", "phi_u2e2"]
 WINDOWS = ["100-130 s", "900-930 s", "1700-1730 s"]
 MODELS, APPROACHES = (
     ["linear", "narx"],
@@ -160,7 +160,7 @@ def validation(seed: int) -> xr.Dataset:
                 "verdict": over("model", [f"The residual is {seed} mm." for _ in MODELS]),
             },
             coords={
-                "model": MODELS, "approach": APPROACHES, "window": WINDOWS, "test": TESTS,
+                "model": MODELS, "approach": APPROACHES, "window": WINDOWS, "test": list(TESTS),
                 "lag": over("lag", lags, "sample"),
             },
         ),

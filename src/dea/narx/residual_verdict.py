@@ -17,7 +17,7 @@ from dea.inputs import by_input, input_count
 from dea.narx.residuals import PAIR_TEST, RELATIONS, correlation, each_test
 from dea.number_format import written_out
 
-LEVEL = 0.05  # of all tests of a system together
+SIGNIFICANCE = 0.05  # of all tests of a system together
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
 
 
@@ -114,7 +114,7 @@ def verdict(
         f" {_two_digits(100 * rms / spread)} % of the output's spread"
     )
     count = p_value.size
-    white = count * p_value[:, 0].min() > LEVEL
+    white = count * p_value[:, 0].min() > SIGNIFICANCE
     colour = "white" if white else "coloured"
     joint = np.minimum(count * p_value.min(axis=0), 1.0)[1:]
     short = [name.removeprefix("the ") for name in inputs]
@@ -126,7 +126,7 @@ def verdict(
     shown = [
         f"{meaning} ({_two_digits(100 * share)} %)"
         for meaning, p, share in zip(meanings, joint, explained.max(axis=0)[1:], strict=True)
-        if p < LEVEL
+        if p < SIGNIFICANCE
     ]
     if not shown:
         return (

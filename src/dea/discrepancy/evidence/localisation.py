@@ -15,7 +15,7 @@ from dea.store import variable
 
 BINS = 12
 # Draws of what chance makes, and the level of the test: ten of them may be as large.
-_DRAWS, _LEVEL = 200, 0.05
+_DRAWS, _SIGNIFICANCE = 200, 0.05
 # Memories of the energy in a shuffled block, and the fewest blocks that say what chance makes. In
 # blocks of a 150th of the record, chance was called a concentration in 30 % of series of 3000
 # samples with a memory of 50, and in 95 % of those with one of 200, instead of 5 %.
@@ -158,7 +158,7 @@ def localise(
                 null[name][draw] = _mean(drawn, q.label, q.bins)
     probability = _probability(measured, null)
     rms = {name: np.sqrt(mean) for name, mean in measured.items()}
-    found = [name for name in measured if probability[name] <= _LEVEL]
+    found = [name for name in measured if probability[name] <= _SIGNIFICANCE]
     strongest = max(found, key=lambda name: float(measured[name].max())) if found else None
     variables: dict[str, Any] = {}
     for name, q in quantities.items():
