@@ -1,7 +1,7 @@
 """The spectrum of an input, which says at which frequencies a response is measured."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dea.arrays import Array
 
@@ -20,8 +20,3 @@ def input_spectrum(u: ArrayLike, sampling_rate: float, frequencies: ArrayLike) -
     lines, density = welch(signal, sampling_rate, nperseg=length)
     found: Array = np.interp(np.abs(frequencies), lines, density)
     return found
-
-
-def excited(density: ArrayLike, threshold: float) -> NDArray[np.bool_]:
-    """Return where a power spectral density exceeds ``threshold``."""
-    return np.asarray(density) > threshold

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
-from dea.gfrf.excited_band import excited, input_spectrum
+from dea.gfrf.excited_band import input_spectrum
 from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
@@ -336,8 +336,8 @@ class _Spectrum:
     ) -> None:
         self._density, on_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
         largest = max(self._density.max(), on_plane.max())
-        self._excited = excited(self._density, excited_above * largest)
-        self._on_plane = excited(on_plane, excited_above * largest)
+        self._excited = self._density > excited_above * largest
+        self._on_plane = on_plane > excited_above * largest
 
     def of_input(self) -> dict[str, Any]:
         """Return the spectrum and the excited frequencies of H1."""

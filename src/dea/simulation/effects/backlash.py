@@ -75,6 +75,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_output=law,
-    remembers_motion=True,
     defining="gap",
 )
