@@ -419,7 +419,7 @@ def source(tmp_path, monkeypatch, serve_bench):
 
 
 def put(source, number, u):
-    place = source.place(number)
+    place = source.folder_of(number)
     place.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{k},{v!r}\n" for k, v in enumerate(u.tolist()))
     (place / "excitation.csv").write_text("time,input\n" + text)
@@ -434,7 +434,7 @@ def test_a_record_of_hardware_is_archived_and_not_driven_again(source):
     assert archive.check(folder)["excitation"] == "resolve_1"
     assert archive.check(folder)["operator"] == "A. Volta"
     # A loop that was ended before it took the record from the archive finds it there.
-    (own.place(1) / "record.nc").unlink()
+    (own.folder_of(1) / "record.nc").unlink()
     again = own.record(1, u)
     assert len(list(Path("records/film1").iterdir())) == 1
     np.testing.assert_array_equal(again["displacement"], record["displacement"])
@@ -499,7 +499,7 @@ def test_what_names_the_file_of_its_first_record_is_found(source):
     own = source("film1")
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
     own.design(1, (), lambda: made)
-    file = own.place(1) / "design.json"
+    file = own.folder_of(1) / "design.json"
     of_file = {"first_record": store.sha256(own.first)}
     file.write_text(json.dumps(json.loads(file.read_text()) | of_file))
     played = own._settings(1) | of_file
@@ -516,7 +516,7 @@ def test_a_virtual_actuator_is_driven_once(source):
     own, u = source("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)
     record = own.record(1, u)
-    file = own.place(1) / "record.nc"
+    file = own.folder_of(1) / "record.nc"
     before = file.stat().st_mtime_ns
     np.testing.assert_array_equal(own.record(1, u)["displacement"], record["displacement"])
     assert file.stat().st_mtime_ns == before
@@ -553,12 +553,12 @@ def test_a_design_that_is_damaged_is_refused_with_a_remedy(source, text):
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
     own.design(1, (), lambda: made)
     if text is None:
-        (own.place(1) / "excitation.csv").unlink()
+        (own.folder_of(1) / "excitation.csv").unlink()
     else:
-        (own.place(1) / "design.json").write_text(text)
+        (own.folder_of(1) / "design.json").write_text(text)
     with pytest.raises(InputError, match="delete results/resolve/film1/round_1 to design it again"):
         own.design(1, (), lambda: made)
-    shutil.rmtree(own.place(1))
+    shutil.rmtree(own.folder_of(1))
     np.testing.assert_array_equal(own.design(1, (), lambda: made).u, made.u)
 
 
@@ -573,7 +573,7 @@ def test_a_design_that_was_not_driven_obeys_the_limits_of_today(source):
     own.limits = replace(LIMITS, high=0.05)
     assert own.design(1, (), lambda: None) is None
     # What has been driven is kept, whatever the limits are now.
-    (own.place(1) / "record.nc").touch()
+    (own.folder_of(1) / "record.nc").touch()
     np.testing.assert_array_equal(own.design(1, (), lambda: None).u, slow)
 
 

@@ -76,7 +76,7 @@ class ByHand(Kept):
         if mistake := _mistake(store.signals(found), u, self.limits.sampling_rate):
             problem, remedy = mistake
             raise InputError(
-                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}"
+                f"its input is not the excitation of {self.folder_of(number) / 'excitation.csv'}"
                 + problem,
                 file=self.case_file,
                 field=f"records.{record_key(number)}",

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Kept:
+class Kept(ABC):
     """Designs and findings in ``results/resolve/NAME/round_N/``; nothing there is made twice.
 
     ``settings`` are what designs follow from besides the limits and the records.
@@ -33,17 +34,17 @@ class Kept:
     limits: Limits
     settings: Mapping[str, Any]
 
-    def place(self, number: int) -> Path:
+    def folder_of(self, number: int) -> Path:
         """Return the folder of a designed record."""
         return self.folder / ("certificate" if number == CERTIFICATE else f"round_{number}")
 
+    @abstractmethod
     def file(self, number: int) -> Path:
         """Return the file of a designed record."""
-        raise NotImplementedError
 
+    @abstractmethod
     def recorded(self, number: int) -> bool:
         """Return whether there is a record of the excitation that is kept."""
-        raise NotImplementedError
 
     def design(
         self,
@@ -56,7 +57,7 @@ class Kept:
         One that has not been driven yet is made anew where anything has changed that it follows
         from: limits, settings, or one of the ``records`` so far.
         """
-        file = self.place(number) / "design.json"
+        file = self.folder_of(number) / "design.json"
         follows_from = self._follows_from(records)
         if file.exists():
             kept, followed_from = self._read(number)
@@ -102,9 +103,9 @@ class Kept:
 
     def _read(self, number: int) -> tuple[Design, Any]:
         """Return the design that is kept, and what it followed from."""
-        place = self.place(number)
-        file, table = place / "design.json", place / "excitation.csv"
-        remedy = f"Bring it back from a backup, or delete {place} to design it again"
+        folder = self.folder_of(number)
+        file, table = folder / "design.json", folder / "excitation.csv"
+        remedy = f"Bring it back from a backup, or delete {folder} to design it again"
         try:
             said = from_json(file.read_text())
             first, designed = said.pop("first_record"), said.pop("sha256")
@@ -140,8 +141,8 @@ class Kept:
 
     def keep(self, found: ResolutionRound) -> None:
         """Write the verdict and the probabilities after a round."""
-        place = self.place(found.number)
-        found.after.verdict.write(place / "verdict.json")
+        folder = self.folder_of(found.number)
+        found.after.verdict.write(folder / "verdict.json")
         posterior = {
             name: {
                 "offered": float(np.exp(found.after.posterior.log_offered[name])),
@@ -151,7 +152,7 @@ class Kept:
             }
             for name, value in found.after.posterior.now.items()
         }
-        _write_json(place / "posterior.json", posterior)
+        _write_json(folder / "posterior.json", posterior)
 
     def write_table(self, path: Path, u: np.ndarray) -> None:
         """Write an excitation in the units of the first record's input."""

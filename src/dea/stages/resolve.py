@@ -193,7 +193,7 @@ class Driven(Kept):
 
     def file(self, number: int) -> Path:
         """Return the file of a record, beside its design."""
-        return self.place(number) / "record.nc"
+        return self.folder_of(number) / "record.nc"
 
     def recorded(self, number: int) -> bool:
         """Return whether it has been driven."""
@@ -217,7 +217,7 @@ class Driven(Kept):
             "seed": self.study.seed,
             "system": self.actuator.name,
             "excitation_name": f"{DESIGNED}{number}",
-            "excitation_sha256": store.sha256(self.place(number) / "excitation.csv"),
+            "excitation_sha256": store.sha256(self.folder_of(number) / "excitation.csv"),
             "first_record": self.first_digest(),
             "acquisition": written(self.study.acquisition),
         }
