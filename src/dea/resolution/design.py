@@ -37,6 +37,8 @@ _ALTERED, _SMALL = 3, 0.2
 _PARTS = (0.25, 0.5, 1.0)
 # Factors by which an excitation whose predicted output leaves its range is drawn to the middle.
 _SHRINKS = (1.0, 0.8, 0.6, 0.4, 0.2)
+# Lines that the band of a short excitation of fixed form holds at least.
+_LEAST_LINES = 4.0
 # Excitations of fixed form that compete, with times in parts of the duration and bands in parts of
 # the sampling rate.
 _FIXED: tuple[tuple[str, dict[str, float]], ...] = (
@@ -48,10 +50,6 @@ _FIXED: tuple[tuple[str, dict[str, float]], ...] = (
     ("binary", {"band": 0.02}),
     ("triangle", {"slowest": 0.16, "fastest": 0.03}),
 )
-
-
-# Lines that the band of a short excitation of fixed form holds at least.
-_LEAST_LINES = 4.0
 
 
 class Forms(StrEnum):
@@ -243,20 +241,23 @@ def _changed(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return result
 
 
+def _scaled(key: str, value: float, duration: float, limits: Limits) -> float:
+    """Return a setting of a fixed form for this duration (s) and the limits' sampling rate."""
+    rate = limits.sampling_rate
+    if key == "levels":
+        return value
+    if key == "band":
+        return max(value * rate, _LEAST_LINES / duration)
+    if key == "period":
+        # Whole samples, so that the first line is within the band.
+        return float(np.ceil(value * duration * rate)) / rate
+    return value * duration
+
+
 def fixed_forms(duration: float, limits: Limits, seed: int) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the excitations of fixed form, each slowed down to the largest rate."""
     for kind, settings in _FIXED:
-        scaled = {
-            key: max(value * limits.sampling_rate, _LEAST_LINES / duration)
-            if key == "band"
-            else value
-            if key == "levels"
-            # Whole samples, so that the first line is within the band.
-            else np.ceil(value * duration * limits.sampling_rate) / limits.sampling_rate
-            if key == "period"
-            else value * duration
-            for key, value in settings.items()
-        }
+        scaled = {key: _scaled(key, value, duration, limits) for key, value in settings.items()}
         u = fixed_design(
             kind, duration=duration, sampling_rate=limits.sampling_rate,
             low=limits.low, high=limits.high, seed=seed, **scaled,
