@@ -30,7 +30,7 @@ def refuse_undeclared_code() -> None:
             _check(module.__file__, declared)
 
     def watch(event: str, arguments: tuple[Any, ...]) -> None:
-        # A file descriptor was a name once, when it was opened.
+        # A file descriptor is a number: its file was seen by name when it was opened.
         if event == "open" and not isinstance(arguments[0], int):
             _check(os.fsdecode(arguments[0]), declared)
 

@@ -290,7 +290,8 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
         workers,
         "single effects on blocks left out",
     )
-    # Of one that was only screened both residuals are those of fits to the same blocks.
+    # A candidate that was only screened has no held-out residual: both are then of fits to the
+    # same blocks.
     before = [
         held_out.residual(nominal, c.fit) if c.finished else nominal.residual for c in singles
     ]

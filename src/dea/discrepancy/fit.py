@@ -29,7 +29,7 @@ _LONGEST_STEP = 3.0
 class Fit:
     """A fitted simulation: coordinates, residual, and their sensitivities.
 
-    Each is equal to itself alone, so that it can be a key.
+    Compared by identity, so that it can be a key.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ class Problem(Samples):
     def of_each_record(
         self, change: Callable[[np.ndarray], np.ndarray], signal: np.ndarray
     ) -> np.ndarray:
-        """Return a signal (n,) of which each record is changed by itself: its past is its own."""
+        """Return a signal (n,) after a change of each record by itself, as if it came alone."""
         return np.concatenate([change(signal[own]) for own in self.records])
 
     def rate_of(self, signal: np.ndarray) -> np.ndarray:

@@ -118,7 +118,8 @@ def prepare(
     oversampled = factor > 1
     made = _at_every(factor, records, simulation, settings)
     while factor > 1 and made.extended.substeps > 1:
-        # With as many steps, more samples cost little, and the input has its corners.
+        # The number of integration steps stays the same, so that more samples cost little, and they
+        # keep the corners of the input.
         factor = max(factor // made.extended.substeps, 1)
         made = _at_every(factor, records, simulation, settings)
     records, joined, seen, noise, tolerance, extended = made

@@ -63,7 +63,8 @@ class Rules:
         evidence alone names, by its value; also the part of what the others leave that each of
         several effects must remove to be named with them.
     ahead
-        Part by which a certain part must leave less misfit than any explanation without its family.
+        Part by which the misfit with a certain set of effects must be lower than with any
+        explanation without their family.
     at_bound
         Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
         another effect's law.

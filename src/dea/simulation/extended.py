@@ -43,9 +43,9 @@ class ExtendedSimulation:
 
     ``timing_spread`` is the prior standard deviation (s) of the time by which the output is logged
     late; zero means that it is known. ``lengths`` are the samples of several records that are
-    simulated one after the other, each from a start of its own; of one record there are any.
-    ``interpolation`` is what the input does between samples that are not those recorded; of these
-    the simulation knows.
+    simulated one after the other, each from a start of its own; a single record may have any
+    length. ``interpolation`` says what the input does between samples that were computed, such as
+    those at a finer interval; how a recorded input does is part of the simulation.
     """
 
     simulation: Simulation

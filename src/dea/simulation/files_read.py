@@ -55,7 +55,7 @@ def _watch() -> None:
             return
         name, _, flags = arguments
         reading = not flags & (os.O_WRONLY | os.O_RDWR)
-        # A file descriptor was a name once, when it was opened.
+        # A file descriptor is a number: its file was seen by name when it was opened.
         if reading and isinstance(name, str | bytes | os.PathLike):
             file = Path(os.path.abspath(os.fsdecode(name)))
             for opened in _opened:

@@ -41,7 +41,8 @@ class Adjoint(NamedTuple):
 def _step(phi: Array, y: float, theta: Array, P: Array, K: Array) -> tuple[float, float]:
     """Condition theta and P on one output; write the gain and return innovation and its variance.
 
-    Only a sum and a product in the same order make P[i, k] and P[k, i], so P stays symmetric.
+    P[i, k] and P[k, i] are computed by the same operations in the same order, so that P stays
+    exactly symmetric.
     """
     p = phi.size
     if np.isnan(y):

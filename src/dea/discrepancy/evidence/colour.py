@@ -39,9 +39,10 @@ def is_coloured_noise(
     """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
 
     An autoregression whitens it; what that leaves must be as large in every one of the
-    ``blocks`` and without outliers. Of a slow residual beside white noise that is the white noise:
-    the residual itself must look like a Gaussian one of its spectrum, too. At ``most`` this part of
-    it may be predicted from input and motion, and of its energy from that of the motion.
+    ``blocks`` and without outliers. Where a slow residual and white noise are mixed, whitening
+    leaves mostly the white noise. Therefore the residual itself is also compared with Gaussian ones
+    of the same spectrum. Input and motion may predict a part of it of at most ``most``, and the
+    energy of the motion the same part of its energy.
     """
     parts = long_parts(residual, blocks)
     if len(parts) < 2:  # nothing says whether it is as large everywhere

@@ -178,7 +178,7 @@ def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -
     """Return the probability that chance concentrates the energy as much along each quantity."""
     scores = {}
     for name, mean in measured.items():
-        # The measured one counts as a draw, lest it be farther out than each by construction.
+        # The measured one counts as a draw; otherwise it would exceed every draw by construction.
         drawn = np.vstack([mean, null[name]])
         scores[name] = np.max((drawn - drawn.mean(0)) / (drawn.std(0) + 1e-300), axis=1)
     largest = np.fmax.reduce(list(scores.values()))

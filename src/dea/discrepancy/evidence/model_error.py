@@ -81,10 +81,12 @@ def _memory_beside(residual: np.ndarray, noise: float) -> float:
 def memory_of(residual: np.ndarray, mean: float | None = None) -> float:
     """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992).
 
-    So many samples of the residual count as one. Of its energy, by which an error is localised, it
-    is another number: see :mod:`dea.discrepancy.evidence.localisation`.
+    This is the number of correlated samples that count as one independent one. Localisation, which
+    averages the energy of the residual, uses another number
+    (:mod:`dea.discrepancy.evidence.localisation`).
 
-    Of a residual that is short against its memory the ``mean`` is that expected, not its own.
+    ``mean`` is that of the residual unless the expected one is given, as it must be where the
+    residual is short compared with its memory.
     """
     centre = residual.mean() if mean is None else mean
     correlation = autocovariance(residual - centre, max(residual.size // 4, 1))

@@ -94,7 +94,7 @@ def _predicted(problem: Problem, fitted: Fit, changes: Sequence[np.ndarray]) -> 
 def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
     """Return the change of the residual (n,) by each term of the force.
 
-    It is that to the run with a force of nothing, whose steps see the same secants.
+    It is taken from a run with a zero force, so that both runs use the same secants.
     """
     scales = measured_scales(fitted.extended, fitted.values, problem.uncertified, port)
     pushed = fitted.extended.attach(_effect(_speed(problem, fitted)), scales, port)

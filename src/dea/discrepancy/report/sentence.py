@@ -224,9 +224,9 @@ def labels_in_words(labels: Iterable[str]) -> str:
 
 
 def rivals_told(found: "Diagnosis") -> list["Candidate"]:
-    """Return the rivals, of a name without those that the evidence excludes.
+    """Return the rivals to report; beside a name those that the evidence excludes are left out.
 
-    Those do as well on blocks left out, of which there may be few.
+    Such a rival predicts held-out blocks as well, but these may be too few to exclude it.
     """
     decision, present = found.decision, found.presence.effects
     if decision.status is not Status.NAMED:

@@ -21,8 +21,8 @@ _TRIES, _CLOSE, _STEEP = 10, 0.1, 1.3
 # Part of a way that bounds must leave for its side to count.
 _OPEN = 0.5
 # Variance, in those of the priors, from which a coordinate is a direction of its own: all such
-# coordinates are nearly as unsure as each other, so that any mixture of them is principal. A stop
-# that is never reached would be as sure as a delay beside it.
+# coordinates are nearly as unsure as each other, so that any mixture of them is principal.
+# Otherwise a stop that is never reached would get the same deviation as a delay that is well told.
 _HARDLY_TOLD = 0.99
 
 
@@ -32,9 +32,9 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
     Each is shortened until the cost at the ends of its 95 % interval, in units of the ``variance``
     of the residual, exceeds that of the fit by as much as for a normal distribution: a cut through
     the cost, along which no other direction is fitted again. Coordinates stop at their bounds. The
-    longer side counts; a side closed by bounds does not. Of a coordinate that the record hardly
-    tells the own direction is shortened. A direction that is well determined is left as it is, and
-    so is one along which the cost is flatter than the parabola.
+    longer side counts; a side closed by bounds does not. A coordinate that the record hardly tells
+    is shortened along its own axis instead of a principal direction. A direction that is well
+    determined is left as it is, and so is one along which the cost is flatter than the parabola.
     """
     extended, centre = fit.extended, fit.coordinates
     low, high = extended.bounds

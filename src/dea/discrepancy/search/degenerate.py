@@ -18,8 +18,8 @@ from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.rounds import Round
 from dea.simulation import Family, Port, law_courses
 
-# Steps of the fit with the essential parameter at its bound. What is left of a threshold of half
-# the range is a power, which takes a dozen.
+# Steps of the fit with the essential parameter at its bound. A threshold of half the range becomes
+# a power law there, whose fit takes about twelve.
 _STEPS = 20
 # Slope at both ends of what is limited, as a part of the largest, above which no limit is reached,
 # and the pieces of its range that it is taken from.
@@ -49,7 +49,7 @@ def unfinish_degenerate(
     leading = [c for c in leading if id(c) not in fallen]
     curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
     for c in leading:
-        # No effect is a curve of the command, so that nothing else needs to explain it.
+        # The catalogue has no curve of the command, so that no competing explanation is asked for.
         command = _on_path(c, Port.INPUT, Family.LIMIT)
         if command is not None and _bends_gently(problem, c.fit, command.place):
             fallen.add(id(c))

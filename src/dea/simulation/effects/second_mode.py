@@ -9,8 +9,8 @@ from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 _TWO_PI = 6.283185307179586
-# Whether the second mass moves by itself. Beside a first one that no spring holds it begins with
-# the place and the speed of that, which the first step shows.
+# Whether the second mass moves by itself. If no spring holds the first mass, the second one starts
+# at its position with its speed, which are known after the first step.
 _APART, _TOGETHER = 0.0, 1.0
 
 
