@@ -63,6 +63,17 @@ PRESENT = {
 }
 
 
+class Predicted(HeldOut):
+    """Held-out residuals that are given by a function of the fit."""
+
+    def __init__(self, problem, residual):
+        super().__init__(problem)
+        self._given = residual
+
+    def residual(self, fitted, beside=None):
+        return self._given(fitted)
+
+
 def hidden(*names, seed=1):
     """Return a problem in which the named effects are hidden, and the simulation without them."""
     rng = np.random.default_rng(seed)
@@ -354,10 +365,7 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
         Fit(attached, np.zeros(attached.free.size), left, plain.jacobian, 0.0), error, error, 9.0
     )
     nominal = replace(plain, residual=left * before * NOISE / error)
-    held_out = SimpleNamespace(
-        residual=lambda fitted, _=None: fitted.residual,
-        rmse=lambda fitted, _=None: problem.seen_rmse(fitted.residual),
-    )
+    held_out = Predicted(problem, lambda fitted: fitted.residual)
     evidence = Evidence(
         problem, nominal, held_out, [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0,
         Rules(), np.random.default_rng(7),
@@ -392,10 +400,7 @@ def graded():
         fitted = Fit(longer, np.zeros(longer.free.size), residual, plain.jacobian, 0.0)
         return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
 
-    held_out = SimpleNamespace(
-        residual=lambda fitted, _=None: fitted.residual,
-        rmse=lambda fitted, _=None: problem.seen_rmse(fitted.residual),
-    )
+    held_out = Predicted(problem, lambda fitted: fitted.residual)
     evidence = Evidence(
         problem, candidate(9.0).fit, held_out,
         [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0, Rules(misfit=1e-3),
@@ -544,13 +549,7 @@ def test_a_drift_that_leaves_noise_alone_need_not_predict_every_block(left, seco
     alone, pair = candidate(4.0, "dead_zone"), candidate(left, "dead_zone", second)
     worse = {pair.fit: 5.0 * pair.fit.residual}
 
-    def residual(fitted, _=None):
-        return worse.get(fitted, fitted.residual)
-
-    held_out = SimpleNamespace(
-        residual=residual,
-        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
-    )
+    held_out = Predicted(evidence.problem, lambda fitted: worse.get(fitted, fitted.residual))
     evidence = replace(evidence, held_out=held_out)
     rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
     assert best_extension(evidence, rounds, [alone]) is {"pair": pair, "alone": alone}[chosen]
@@ -925,14 +924,7 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
 def named_against(evidence, sure, rival, predicted=None):
     """The name given where one has nearly all the weight; ``predicted`` are held-out residuals."""
     predicted = predicted or {}
-
-    def residual(fitted, _=None):
-        return predicted.get(fitted, fitted.residual)
-
-    held_out = SimpleNamespace(
-        residual=residual,
-        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
-    )
+    held_out = Predicted(evidence.problem, lambda fitted: predicted.get(fitted, fitted.residual))
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
     found = decide(
         replace(evidence, held_out=held_out), rival, [rival, sure], [rival], weighed
@@ -1026,14 +1018,7 @@ def test_a_second_effect_must_remove_half_of_what_is_left_where_it_was_not_fitte
     evidence, candidate = graded()
     alone, pair = candidate(4.0, "dead_zone"), candidate(1.1, "dead_zone", "sensor_lag")
     predicted = {pair.fit: candidate(held_out).fit.residual}
-
-    def residual(fitted, _=None):
-        return predicted.get(fitted, fitted.residual)
-
-    of_blocks = SimpleNamespace(
-        residual=residual,
-        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
-    )
+    of_blocks = Predicted(evidence.problem, lambda fitted: predicted.get(fitted, fitted.residual))
     evidence = replace(evidence, held_out=of_blocks)
     pool = [pair, alone, candidate(6.0, "sensor_lag")]
     weighed = Presence((pair,), np.ones(1))
