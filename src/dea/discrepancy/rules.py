@@ -54,7 +54,8 @@ class Rules:
         blocks that neither was fitted to. One whose error on these is larger by more than this is
         no rival of a single effect with nearly all the weight.
     law_error
-        Part of the gap that the law of a right effect may leave.
+        Part of the gap that the law of a right effect may leave. A certain part that is named with
+        the others of an explanation must remove more than this by itself.
     certain
         Presence from which an effect, or a family of effects, is certain.
     part

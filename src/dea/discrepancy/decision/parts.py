@@ -25,10 +25,10 @@ def certain_part(
     them and any of its family must leave much more of the misfit than the best one with all, since
     an effect that the catalogue lacks is often half explained by several. No explanation may leave
     less than the best one that holds them. They must surely remove most of the gap, by themselves
-    or, if that is allowed, ``with_others``, as part of that explanation. Then the best one without
-    them must leave much more, whatever its families, and none may be a course in time, which
-    follows whatever else is slow. A larger certain set is returned where it passes for its further
-    effects.
+    or, if that is allowed, ``with_others``, as part of that explanation. In that case they must
+    surely remove some of it by themselves, the best one without them must leave much more, whatever
+    its families, and none may be a course in time, which follows whatever else is slow. A larger
+    certain set is returned where it passes for its further effects.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
@@ -58,9 +58,10 @@ def certain_part(
         return far_behind(without, part) and rules.as_good(best_with(part).rmse, best, floor)
 
     def removes_most(part: Candidate) -> bool:
-        if share_of(evidence, part.fit).low >= rules.part:
+        alone = share_of(evidence, part.fit).low
+        if alone >= rules.part:
             return True
-        if not (with_others and transferable(part.fit.extended)):
+        if not (with_others and alone > rules.law_error and transferable(part.fit.extended)):
             return False
         without = (c for c in finished if not c.effects >= part.effects)
         return (
