@@ -68,7 +68,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("growth", "1", 0.0, 1.0, -1.0, 4.0, shape=True),
         Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
         Parameter("ringing", "1", 0.0, 0.3, 0.0, 3.0, shape=True),
-        Parameter("order", "1", 1.0, 0.4, 0.4, 3.0, log=True, shape=True),
+        Parameter("order", "1", 1.0, 0.4, 1.0, 3.0, log=True, shape=True),
         Parameter("ageing", "1", 0.0, 0.5, -1.8, 1.8, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
     )

@@ -81,7 +81,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.3 * scales.duration, log=True),
         Parameter("damping", "1", 1.5, 0.7, 0.15, 5.0, log=True, shape=True),
-        Parameter("delay_ratio", "1", 0.0, 0.5, 0.0, 3.0, shape=True),
+        Parameter("delay_ratio", "1", 0.0, 0.5, 0.0, 1.0, shape=True),
         Parameter("fast_part", "1", 0.0, 0.15, 0.0, 0.9, shape=True),
         Parameter("quickening", "1", 0.0, 0.3, -2.0, 2.0, shape=True),
         Parameter("own_share", "1", 0.5, 0.5, 0.0, 1.0, shape=True),

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._laws import limited
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -14,7 +15,8 @@ _PARTS = 4
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Follow the input at a speed that is limited and lags; return means over the intervals.
 
-    Without a lag of the speed this is a first-order lag whose rate saturates. With one, as of the
+    Without a lag of the speed this is a first-order lag whose rate saturates, at a corner or softly
+    as that of a differential pair. With one, as of the
     speed loop within a servo, a rise begins gradually; where that is longer than a quarter of the
     lag of the place, the rise passes the target and rings about it. Each rate may grow from the
     middle of the input's range to its upper end, as that of a supply whose current folds back.
@@ -30,7 +32,9 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
         for _ in range(_PARTS):
             level = min(max((v - q[6]) / q[7], -1.0), 1.0)
             most, least = rising * (1.0 + q[4] * level), -falling * (1.0 + q[5] * level)
-            speed += (min(max((u[k] - v) * near, least), most) - speed) * taken_up
+            asked = (u[k] - v) * near
+            reached = np.sign(asked) * limited(abs(asked), most if asked > 0.0 else -least, q[8])
+            speed += (reached - speed) * taken_up
             total += v + 0.5 * speed * h
             v += speed * h
         result[k] = total / _PARTS
@@ -50,16 +54,17 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("fall_growth", "1", 0.0, 0.3, -0.9, 0.9, shape=True),
         Parameter("middle", scales.u_unit, middle, 0.0),
         Parameter("half_range", scales.u_unit, half, 0.0),
+        Parameter("sharpness", "1", 30.0, 1.0, 1.0, 200.0, log=True, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return rates below the fastest change of the input."""
+    """Return rates below the fastest change of the input, and as fast a one with a lag."""
     dt = scales.interval
     middle, half = scales.u_middle, 0.5 * max(scales.u_span, 1e-9)
     return tuple(
-        (part * scales.u_rate, 1.0, 0.2 * dt, 0.5 * dt, 0.0, 0.0, middle, half)
-        for part in (0.7, 0.4, 0.2, 0.05)
+        (part * scales.u_rate, 1.0, lag * dt, 0.5 * dt, 0.0, 0.0, middle, half, 30.0)
+        for part, lag in ((1.0, 3.0), (0.7, 0.2), (0.4, 0.2), (0.2, 0.2), (0.05, 0.2))
     )
 
 
@@ -68,7 +73,8 @@ EFFECT = Effect(
     port=Port.INPUT,
     family=Family.LAG,
     symptom="the device lags behind fast changes of the input, the more the larger they are",
-    citation="Duda (1998), Journal of Guidance, Control, and Dynamics 21:1, on rate limiters",
+    citation="Duda (1998), Journal of Guidance, Control, and Dynamics 21:1, on rate limiters; "
+    "Solomon (1974), IEEE Journal of Solid-State Circuits 9:314, on a differential pair",
     parameters=parameters,
     starts=starts,
     shape_input=law,

@@ -1,6 +1,7 @@
 """The input is delayed."""
 
 import numpy as np
+from scipy.signal import fftconvolve
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.effects._laws import delayed, delayed_smoothly, held_lag
@@ -9,30 +10,58 @@ from dea.simulation.scales import Scales
 
 
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Shift the input by a delay, a fraction of an interval included, and spread it.
+    """Delay the input, a fraction of an interval included, spread it, and let it return once.
 
-    A part of the delay is that of a first-order lag: what flows or diffuses arrives earlier and
-    later than on average.
+    What arrives is spread by a first-order lag, as where a flow is mixed, or by streams of unequal
+    speed, as where it is laminar: their part is ``streams``. A wave that is reflected at both ends
+    arrives again after three delays, with a part ``echo`` of the input.
     """
-    delay, spread, smooth = q
+    delay, spread, streams, echo, smooth = q
     shifted = delayed_smoothly if smooth else delayed
-    return shifted(held_lag(u, spread * delay, interval), (1.0 - spread) * delay, interval)
+    mixed = shifted(held_lag(u, spread * delay, interval), (1.0 - spread) * delay, interval)
+    arriving: np.ndarray = mixed
+    if streams > 0.0 and spread * delay > 0.0:
+        arriving = (1.0 - streams) * mixed + streams * _of_streams(u, delay, spread, interval)
+    if echo != 0.0:
+        arriving = (1.0 - echo) * arriving + echo * shifted(arriving, 2.0 * delay, interval)
+    return arriving
+
+
+def _of_streams(u: np.ndarray, delay: float, spread: float, interval: float) -> np.ndarray:
+    """Return the means over intervals of a held input (n,) behind streams of unequal speed.
+
+    A part 1 - (d/t)^(1/``spread``) of them has arrived by t > d, the first at d; those of a laminar
+    flow have a spread of one half. Their mean is the ``delay``.
+    """
+    first, power = (1.0 - spread) * delay, 1.0 / spread
+    late = np.maximum(interval * np.arange(-1, u.size + 1), first)
+    # The integral over time of the part that has arrived.
+    arrived = late - first - first * (1.0 - (late / first) ** (1.0 - power)) / (power - 1.0)
+    weights = np.diff(arrived, 2) / interval
+    result: np.ndarray = u[0] + fftconvolve(u - u[0], weights)[: u.size]
+    return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the mean delay, the part of it by which it is spread, and if the input is smooth."""
+    """Return the mean delay, its spread and how it is spread, the echo, if the input is smooth."""
     longest = min(0.1 * scales.duration, 500 * scales.interval)
     return (
         Parameter("delay", "s", 0.0, 4 * scales.interval, 0.0, longest),
-        Parameter("spread", "1", 0.0, 0.1, 0.0, 0.4, shape=True),
+        Parameter("spread", "1", 0.0, 0.1, 0.0, 0.5, shape=True),
+        Parameter("streams", "1", 0.0, 0.5, 0.0, 1.0, shape=True),
+        Parameter("echo", "1", 0.0, 0.1, -0.3, 0.3, shape=True),
         Parameter("smooth", "1", float(scales.smooth), 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return delays of a few intervals."""
+    """Return delays of a few intervals, sharp and spread."""
     smooth = float(scales.smooth)
-    return tuple((samples * scales.interval, 0.0, smooth) for samples in (1.5, 4.5, 10.5))
+    waiting = ((1.5, 0.0, 0.0), (4.5, 0.0, 0.0), (10.5, 0.0, 0.0), (10.5, 0.3, 0.7))
+    return tuple(
+        (samples * scales.interval, spread, streams, 0.0, smooth)
+        for samples, spread, streams in waiting
+    )
 
 
 EFFECT = Effect(
@@ -41,7 +70,8 @@ EFFECT = Effect(
     family=Family.LAG,
     symptom="the device does what the simulation does, a fixed time later",
     citation="Normey-Rico and Camacho (2007), Control of Dead-time Processes, chapter 2; "
-    "Danckwerts (1953), Chemical Engineering Science 2:1, on its spread",
+    "Danckwerts (1953), Chemical Engineering Science 2:1, on its spread and on laminar flow; "
+    "Wylie and Streeter (1978), Fluid Transients, on reflections",
     parameters=parameters,
     starts=starts,
     shape_input=law,
