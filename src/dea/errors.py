@@ -32,6 +32,21 @@ class InputError(ValueError):
         message = f"{place}: {self.problem}" if place else self.problem
         super().__init__(f"{message}. {self.remedy}" if remedy else message)
 
+    def at(
+        self,
+        *,
+        file: str | Path | None = None,
+        field: str | None = None,
+        remedy: str | None = None,
+    ) -> "InputError":
+        """Return the same problem with another place or remedy; what is not given stays."""
+        return InputError(
+            self.problem,
+            file=self.file if file is None else file,
+            field=self.field if field is None else field,
+            remedy=self.remedy if remedy is None else remedy,
+        )
+
 
 def _one_line(text: str) -> str:
     return " ".join(filter(None, map(str.strip, text.splitlines())))

@@ -180,10 +180,6 @@ def simulation_of(case: Case, file: Path, known: Collection[str] | None = None) 
         try:
             check_simulation(case.simulation, known, file, "simulation")
         except InputError as error:
-            raise InputError(
-                error.problem,
-                file=file,
-                field="simulation",
-                remedy=f"{error.remedy} Or delete {file}.",
-            ) from error
+            remedy = f"{error.remedy} Or delete {file}."
+            raise error.at(file=file, field="simulation", remedy=remedy) from error
     return case.simulation

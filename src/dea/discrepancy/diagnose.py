@@ -222,12 +222,7 @@ def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) ->
     try:
         return signals_of(record, simulation)
     except InputError as error:
-        raise InputError(
-            error.problem,
-            file=error.file,
-            field=f"{field}.{error.field}",
-            remedy=error.remedy,
-        ) from None
+        raise error.at(field=f"{field}.{error.field}") from None
 
 
 def _listed(

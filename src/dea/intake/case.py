@@ -71,9 +71,7 @@ def infer_case(
         signals = store.signals(store.import_record(record))
         settings = infer_settings(signals)
     except InputError as error:
-        raise InputError(
-            error.problem, file=error.file or file, field=error.field, remedy=error.remedy
-        ) from error
+        raise error.at(file=error.file or file) from error
     begin = _first_unseen(time[known], settings.held_out, resample)
     tested = record | {"rows": [int(np.flatnonzero(known)[begin]), time.size]}
     sections = dict(settings.sections)
@@ -94,9 +92,7 @@ def _read(file: Path, sheet: str | None, goal: str, given: Mapping[str, str]) ->
         return store.read_foreign(file, sheet)
     except store.SeveralSheetsError as error:
         named = command(goal, {**given, "SHEET": error.sheets[0]})
-        raise InputError(
-            error.problem, file=file, remedy=f"Name the one of the record: `{named}`"
-        ) from error
+        raise error.at(file=file, remedy=f"Name the one of the record: `{named}`") from error
 
 
 def _described(file: Path, sheet: str | None, roles: Roles) -> dict[str, Any]:

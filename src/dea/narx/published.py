@@ -32,6 +32,4 @@ def _model(terms: dict[str, float], file: str | Path, name: str) -> NarxModel:
     try:
         return NarxModel.from_terms(terms)
     except InputError as error:
-        raise InputError(
-            error.problem, file=file, field=f"models.{name}", remedy=error.remedy
-        ) from error
+        raise error.at(file=file, field=f"models.{name}") from error

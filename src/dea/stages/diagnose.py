@@ -45,12 +45,8 @@ def diagnose(
             workers=threads,
         )
     except InputError as error:
-        raise InputError(
-            error.problem,
-            file=error.file or record,
-            field=error.field,
-            remedy=f"{error.remedy} (case {name})" if error.remedy else f"Case {name}",
-        ) from error
+        remedy = f"{error.remedy} (case {name})" if error.remedy else f"Case {name}"
+        raise error.at(file=error.file or record, remedy=remedy) from error
     inputs = {
         "record": record,
         **{f"further_{path.stem}": path for path in further},

@@ -64,13 +64,11 @@ def excitation(settings: Mapping[str, Any], device: Device) -> PlayedExcitation:
     try:
         acquisition.check_excitation(device, volts)
     except InputError as error:
-        raise InputError(
-            error.problem,
-            file=FILE,
-            field=f"excitation.{field}",
-            remedy=f"Narrow it there, or widen {error.field} in {device.source} if film and"
-            " amplifier bear it.",
-        ) from error
+        remedy = (
+            f"Narrow it there, or widen {error.field} in {device.source} if film and amplifier "
+            "bear it."
+        )
+        raise error.at(file=FILE, field=f"excitation.{field}", remedy=remedy) from error
     return PlayedExcitation(volts, noise_seed, labels)
 
 
@@ -78,9 +76,7 @@ def _designed(settings: Mapping[str, Any], name: str, rate: float, seed: int) ->
     try:
         return design(**settings["excitation"], sampling_rate=rate, seed=seed)
     except InputError as error:
-        raise InputError(
-            error.problem, file=FILE, field=f"excitation.{name}.{error.field}", remedy=error.remedy
-        ) from error
+        raise error.at(file=FILE, field=f"excitation.{name}.{error.field}") from error
 
 
 def _seeds(settings: Mapping[str, Any], name: str) -> tuple[int, int]:

@@ -82,7 +82,7 @@ def good_stretches(
     try:
         found = stretches(np.isfinite(signals.y), part, lag)
     except InputError as error:
-        raise InputError(error.problem, file=file, field="quality", remedy=error.remedy) from error
+        raise error.at(file=file, field="quality") from error
     return [signals.u[each] for each in found], [signals.y[each] for each in found]
 
 

@@ -152,15 +152,11 @@ def _check_simulation(name: str, record: Mapping[str, Any], file: Path | None, f
         if error.file is not None:
             raise
         delete = f", or delete {file}" if file else ""
-        raise InputError(
-            error.problem, file=file, field=field, remedy=f"{error.remedy}{delete}"
-        ) from error
+        raise error.at(file=file, field=field, remedy=f"{error.remedy}{delete}") from error
     try:
         signals_of(store.import_record(record, file), own)
     except InputError as error:
-        raise InputError(
-            error.problem, file=error.file or file or name, field=error.field, remedy=error.remedy
-        ) from error
+        raise error.at(file=error.file or file or name) from error
 
 
 def _rate(text: str | None) -> float | None:

@@ -72,12 +72,8 @@ def _signals_like(known: "store.Record", file: Path, start: int) -> "store.Recor
     try:
         Labels.of(known).refuse_other(Labels.of(signals))
     except InputError as error:
-        raise InputError(
-            error.problem,
-            file=file,
-            field=error.field,
-            remedy=f"Convert test_records.{file.stem} of the case to what its record is in",
-        ) from error
+        remedy = f"Convert test_records.{file.stem} of the case to what its record is in"
+        raise error.at(file=file, remedy=remedy) from error
     if signals.y.size < start + 2:
         raise InputError(
             f"it holds {signals.y.size} samples, of which the model's lags take {start}",

@@ -168,9 +168,7 @@ def _resampled(
             remedy=error.remedy,
         ) from error
     except InputError as error:
-        raise InputError(
-            error.problem, file=source.file, field=error.field, remedy=error.remedy
-        ) from error
+        raise error.at(file=source.file) from error
 
 
 def _of_column(values: np.ndarray, column: "Column") -> Described:

@@ -65,7 +65,7 @@ def read_foreign(file: Path, sheet: str | None = None) -> ForeignTable:
     except SeveralSheetsError:
         raise
     except InputError as error:
-        raise InputError(error.problem, file=file, remedy=error.remedy) from error
+        raise error.at(file=file) from error
     except ImportError as error:
         package = error.name or "pyarrow"  # pandas names none of its own
         raise InputError(
