@@ -19,8 +19,6 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     InputError
         As :func:`dea.stages.bench_process.as_planned`.
     """
-    from dataclasses import replace
-
     from dea import acquisition, modbus
     from dea.stages.bench_process import as_planned, bench_process
     from dea.stages.driving import excitation, write
@@ -31,8 +29,7 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     bench = as_planned(settings["bench"])
     # Named as what the next run of this job removes: a virtual actuator can be driven again.
     partial = record.with_name(f".{record.name}.samples.partial")
-    with bench_process(**bench, device=device, seed=played.noise_seed) as port:
-        answering = replace(description, host="127.0.0.1", port=port, virtual=True)
+    with bench_process(**bench, device=device, seed=played.noise_seed) as answering:
         acquired = played.label(acquisition.acquire(answering, played.volts, partial, options))
     write(acquired, {"record": record, "link": link}, settings)
     partial.unlink()

@@ -5,10 +5,14 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dea.errors import InputError
+
+if TYPE_CHECKING:
+    from dea.modbus import Device
 
 
 def as_planned(bench: Mapping[str, Any]) -> dict[str, Any]:
@@ -53,8 +57,8 @@ def _changed(file: str | Path, field: str) -> InputError:
 @contextmanager
 def bench_process(
     actuator: str, *, config: Path, device: Path, seed: int, watchdog_time: float
-) -> Iterator[int]:
-    """Yield the free loopback port at which ``actuator`` of ``config`` answers.
+) -> Iterator["Device"]:
+    """Yield the ``device`` as ``actuator`` of ``config`` answers, at a free loopback port.
 
     Its clock is virtual: it plays as fast as samples arrive. The process ends with the block, or
     when this process ends.
@@ -65,28 +69,30 @@ def bench_process(
         Where the bench does not start; its own message has gone to standard error.
     """
     served = ["--actuator", actuator, "--seed", str(seed)]
-    with _serving(served, f"the bench of {actuator}", config, device, watchdog_time) as port:
-        yield port
+    with _serving(served, f"the bench of {actuator}", config, device, watchdog_time) as answering:
+        yield answering
 
 
 @contextmanager
 def trial_process(
     sealed: Path, *, truth: Path, config: Path, device: Path, watchdog_time: float
-) -> Iterator[int]:
-    """Yield the port at which the actuator of a blind trial answers, as :func:`bench_process`.
+) -> Iterator["Device"]:
+    """Yield the ``device`` as the actuator of a blind trial answers, as :func:`bench_process`.
 
     When it ends it writes its readings without noise to ``truth`` (NumPy, mm, since its start).
     """
     name = f"the bench of trial {sealed.stem}"
     served = ["--trial", str(sealed), "--truth", str(truth)]
-    with _serving(served, name, config, device, watchdog_time) as port:
-        yield port
+    with _serving(served, name, config, device, watchdog_time) as answering:
+        yield answering
 
 
 @contextmanager
 def _serving(
     served: list[str], name: str, config: Path, device: Path, watchdog_time: float
-) -> Iterator[int]:
+) -> Iterator["Device"]:
+    from dea.modbus import read_device
+
     command = [
         sys.executable, "-m", "dea.bench", *served, "--config", str(config),
         "--device", str(device), "--host", "127.0.0.1", "--port", "0", "--clock", "virtual",
@@ -107,6 +113,7 @@ def _serving(
                 raise InputError(
                     f"{name} does not start", file=config, remedy="See its message above."
                 )
-            yield json.loads(address)["port"]
+            port = json.loads(address)["port"]
+            yield replace(read_device(device), host="127.0.0.1", port=port, virtual=True)
         finally:
             process.terminate()

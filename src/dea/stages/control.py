@@ -120,7 +120,7 @@ def _follow(
 
     import numpy as np
 
-    from dea import acquisition, modbus
+    from dea import acquisition
     from dea.control import LostError
     from dea.stages.bench_process import as_planned, bench_process
 
@@ -142,9 +142,8 @@ def _follow(
     # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
     with (
         TemporaryDirectory() as folder,
-        bench_process(**bench, device=device, seed=noise_seed) as port,
+        bench_process(**bench, device=device, seed=noise_seed) as answering,
     ):
-        answering = replace(modbus.read_device(device), host="127.0.0.1", port=port, virtual=True)
         partial = Path(folder) / "partial"
         try:
             record = acquisition.acquire(answering, played, partial, options).record

@@ -224,8 +224,6 @@ class Driven(Kept):
 
     def _drive(self, number: int, u: np.ndarray, file: Path) -> None:
         """Drive a virtual actuator as the study does."""
-        from dataclasses import replace
-
         from dea.stages.bench_process import bench_process
         from dea.stages.driving import write
 
@@ -239,8 +237,7 @@ class Driven(Kept):
             device=Path(self.actuator.device),
             seed=int(job.integers(2**31)),
             watchdog_time=self.study.bench.watchdog_time,
-        ) as port:
-            answering = replace(self.device, host="127.0.0.1", port=port, virtual=True)
+        ) as answering:
             acquired = acquisition.acquire(answering, u, partial, options)
         files = {"link": file.with_name("link.nc"), "record": file}
         write(acquired, files, settings, {"excitation": file.parent / "excitation.csv"})

@@ -24,12 +24,11 @@ def trial_acquire(
     import json
     from dataclasses import replace
 
-    from dea import acquisition, modbus, store
+    from dea import acquisition, store
     from dea.excitation import design
     from dea.stages.bench_process import plain_as_planned, trial_process
 
     bench = plain_as_planned(settings["bench"])
-    description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     for folder in (records, truth):
         folder.mkdir(parents=True)
@@ -44,15 +43,9 @@ def trial_acquire(
             config=bench,
             device=device,
             watchdog_time=settings["watchdog_time"],
-        ) as port:
-            answering = replace(
-                description,
-                host="127.0.0.1",
-                port=port,
-                virtual=True,
-                sampling_rate=trial["excitation"]["sampling_rate"],
-            )
-            acquired = acquisition.acquire(answering, volts, partial, options)
+        ) as answering:
+            sampled = replace(answering, sampling_rate=trial["excitation"]["sampling_rate"])
+            acquired = acquisition.acquire(sampled, volts, partial, options)
         store.write(
             acquired.record.assign_attrs(contract="record", simulation=trial["simulation"]),
             records / f"{name}.nc",
