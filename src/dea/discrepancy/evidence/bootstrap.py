@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import rankdata
 
 _DRAWS, _PAIR_DRAWS = 2000, 500
 
@@ -47,7 +48,7 @@ def gains(
     sums = np.array([energies(residual, blocks) for residual in after])
     picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
     drawn = 0.5 * np.log(reference[:, picks].sum(2) / sums[:, picks].sum(2))
-    rank = (np.argsort(np.argsort(drawn, axis=1), axis=1) + 0.5) / _DRAWS
+    rank = (rankdata(drawn, method="ordinal", axis=1) - 0.5) / _DRAWS
     rarity = np.minimum(rank, 1.0 - rank).min(0)
     level = float(np.quantile(rarity, 0.05))
     low, high = np.quantile(drawn, [level, 1.0 - level], axis=1)

@@ -17,7 +17,7 @@ from dea.simulation.state import State
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Current x₀ follows the voltage, the motors' speed x₁ the current, the pulley x₂ the belt."""
-    winding, motor, omega = p[0], p[1], 6.283185307179586 * p[2]
+    winding, motor, omega = p[0], p[1], 2.0 * np.pi * p[2]
     dx[0] = (u - x[0]) / winding
     dx[1] = (p[4] * x[0] - x[1]) / motor
     dx[2] = x[3]

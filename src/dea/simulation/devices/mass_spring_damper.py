@@ -13,7 +13,7 @@ from dea.simulation.state import State
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Equation of motion ÿ + 2 ζ ω ẏ + ω² y = ω² g u, with ω = 2 π f."""
-    omega = 6.283185307179586 * p[0]
+    omega = 2.0 * np.pi * p[0]
     dx[0] = x[1]
     dx[1] = omega * omega * (p[2] * u - x[0]) - 2.0 * p[1] * omega * x[1]
 

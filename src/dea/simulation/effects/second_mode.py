@@ -8,7 +8,7 @@ from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
-_TWO_PI = 6.283185307179586
+_TWO_PI = 2.0 * np.pi
 # Whether the second mass moves by itself. If no spring holds the first mass, the second one starts
 # at its position with its speed, which are known after the first step.
 _APART, _TOGETHER = 0.0, 1.0
