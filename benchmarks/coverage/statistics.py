@@ -39,7 +39,7 @@ def coverage(inside: Array) -> Coverage:
     records = len(inside)
     effective = float(records)  # where all agree, since samples of a record are dependent
     if records > 1 and 0 < share < 1:
-        # Of a ratio of sums over clusters.
+        # The variance of a ratio of sums over clusters.
         difference = np.nansum(inside, axis=1) - share * weight
         variance = records / (records - 1) * float(difference @ difference) / points**2
         effective = share * (1 - share) / variance if variance > 0 else float(points)

@@ -24,7 +24,7 @@ _SPELLINGS = {
 def plain_units(text: str) -> str:
     """Return units in the spelling of this project: ``(sec)`` is ``s``."""
     bare = _BRACKETS.sub(r"\1", text.strip()).strip()
-    # Of a time of NetCDF, which is a number of these units since a date.
+    # A time in NetCDF is a number of these units since a date.
     if (unit := _SINCE.sub("", bare)) != bare and plain_units(unit) in SECONDS:
         return plain_units(unit)
     return _SPELLINGS.get(bare.lower(), bare.replace("µ", "u").replace("μ", "u"))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from dea.errors import InputError
 
-# Of a sample: its row of the partial file, and what record and log of the link hold of it, with
-# every exchange of a polled drive.
+# Of each sample: the row of the partial file, and what the record and the log of the link hold,
+# with every exchange of a polled drive.
 BYTES = 64 + 400
 SPARE = 10_000_000  # bytes that a disk is left with
 

@@ -213,7 +213,7 @@ def _code(manifest: Manifest) -> Iterator[Finding]:
 def _commits(manifest: Manifest) -> list[str]:
     """Return the commits that say what the code was."""
     commits = {job["run"]["commit"] for job in manifest.jobs.values()}
-    # Of a tree with changes, or outside of a repository, no commit says it.
+    # No commit says what a tree with changes was, or code outside of a repository.
     return sorted(each for each in commits if re.fullmatch("[0-9a-f]{40}", each))
 
 

@@ -130,7 +130,7 @@ class OnlineTracker:
 
     @property
     def standard_deviations(self) -> Array:
-        """Of the parameters, shape (terms,), as the recursion has them: for white noise."""
+        """Standard deviations of the parameters, shape (terms,), for white noise."""
         squares, weight = self._state.sums
         if not weight:
             return np.full(self._scale.size, np.nan)

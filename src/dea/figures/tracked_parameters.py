@@ -19,7 +19,7 @@ _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide
 _LINE = 120  # characters of a note
 _PALENESS = 0.22
-# Of a simulation that diverges: the part of its residuals that is usual, and the axis over it.
+# Where a simulation diverges: the part of its residuals that is usual, and the axis over it.
 _USUAL, _OVER_USUAL = 0.99, 5.0
 # First part of a record, which may leave a cut axis, and the parts of the course after it, and of
 # an end of its band, that may do so on a side.

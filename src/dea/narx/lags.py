@@ -160,8 +160,8 @@ def lag_choices(y: ArrayLike, *, even_in_input: bool = False) -> list[LagChoice]
     time until the output's autocorrelation is least, every lag, or every second from the first or
     the second on, beside two to four lags of the output.
 
-    No lag is longer than a tenth of the record. Of one shorter than 20 samples the only choice is
-    lags 1 and 2.
+    No lag is longer than a tenth of the record. For a record shorter than 20 samples the only
+    choice is lags 1 and 2.
 
     Raises
     ------

@@ -30,8 +30,8 @@ def rests_over(
 ) -> Rests:
     """Follow the rest of a model from input zero outwards to each of ``inputs``.
 
-    At rest y = sum_j theta_j y^p u^q. Of several real roots the one nearest to the rest of the
-    level before is taken, for the level nearest to zero the one nearest to ``near``.
+    At rest y = sum_j theta_j y^p u^q. Where this has several real roots, the one nearest to the
+    rest at the level before is taken; at the level nearest to zero, the one nearest to ``near``.
 
     Parameters
     ----------

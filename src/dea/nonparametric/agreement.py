@@ -9,8 +9,8 @@ from dea.arrays import Array, Complex
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import Intermodulation
 
-# Of a region that holds two independent normal errors in 95 %, over the half-width of the interval
-# that holds one: the roots of the chi-squared quantiles for two and for one degree of freedom.
+# Radius of the circle that holds two independent normal errors in 95 %, over the half-width of the
+# interval that holds one: roots of the chi-squared quantiles of two and of one degree of freedom.
 _BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
 
 

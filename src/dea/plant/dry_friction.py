@@ -8,11 +8,11 @@ from numba import njit
 
 from dea.plant.forces import Forces, total_force
 
-# Into which a step is divided where friction is taken implicitly, which is of first order.
+# Parts of a step where friction is taken implicitly, which is of first order.
 DRY_STEPS = 8
 # A speed, in the plant's units, at which no friction is anything but linear.
 _CRAWL = 1e-9
-# Of the velocity that an implicit step solves for, and the evaluations until it is there.
+# Precision of the velocity that an implicit step solves for, and evaluations at most.
 _PRECISION, _ITERATIONS = 1e-9, 60
 
 

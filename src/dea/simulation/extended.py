@@ -146,7 +146,7 @@ class ExtendedSimulation:
 
     @cached_property
     def _scaling(self) -> Scaling:
-        """Of the free coordinates."""
+        """Scaling of the free coordinates."""
         return Scaling.of([self.parameters[i] for i in self.free])
 
     @cached_property

@@ -62,8 +62,8 @@ def prepared(
     which the output is logged becomes free within about a sample.
 
     The step is refined until the output at the nominal parameters changes by less than
-    ``tolerance`` (RMS, in the output's unit). Of a motion that no step settles, that is asked of
-    the part that is settled.
+    ``tolerance`` (RMS, in the output's unit). Where no step settles the whole motion, that is asked
+    of the part that is settled.
 
     Raises
     ------

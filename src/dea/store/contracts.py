@@ -363,7 +363,7 @@ CONTRACTS: Mapping[str, Contract] = {
                 for when in ("before", "after")
             },
         },
-        # Of several inputs each has its own: input_1 and so on.
+        # Each of several inputs has its own: input_1 and so on.
         optional={
             f"input_{part}_{when}": _plain(f"input_{when}")
             for part in ("low", "high", "rms", "null")

@@ -131,8 +131,8 @@ def localise(
 ) -> Localisation:
     """Find where a ``residual`` (n,) is concentrated among ``samples`` (n, bool).
 
-    ``unit`` is that of the output. Of several ``inputs`` each is a quantity of its own. The time is
-    that since the start of its record.
+    ``unit`` is that of the output. Each of several ``inputs`` is a quantity of its own. Times are
+    counted from the start of each record.
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
     the largest standardised bin over all quantities (max statistic). Where the energy remembers so
@@ -231,7 +231,7 @@ def _coherence(
     segment = min(where.size, max(64, problem.size // 16))
     variables: dict[str, Any] = {}
     for name, called, u, _ in inputs:
-        # Of an input that rests it is missing.
+        # An input that rests has no coherence.
         driving = u[where] if np.ptp(u[where]) > 0.0 else np.full(where.size, np.nan)
         frequency, coherent = coherence(
             driving, residual[where], 1.0 / problem.interval, nperseg=segment

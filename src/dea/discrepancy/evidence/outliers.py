@@ -5,7 +5,8 @@ from scipy.stats import median_abs_deviation
 
 # Standard deviations from which a sample is one.
 _FAR = 8.0
-# Of the distance of an outlier from the mean of its neighbours, what it moves theirs by: half.
+# An outlier also moves its two neighbours away from the means of theirs, by half of its distance:
+# the least and the largest part that counts as half.
 _ECHO = 0.25, 0.75
 
 

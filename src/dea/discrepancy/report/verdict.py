@@ -17,9 +17,9 @@ _JOINED = "+"
 class Estimate:
     """A parameter's value, unit, 95 % interval, and its prior mean.
 
-    ``origin`` is what its size counts from: of a place, where the motion rests. Of a value that is
-    ``at_bound`` the interval says little: the record may ask for one beyond it. By ``moved``
-    standard errors it is away from its prior mean.
+    ``origin`` is what its size counts from: for a place, where the motion rests. The interval of a
+    value that is ``at_bound`` says little, as the record may ask for a value beyond it. The value
+    is ``moved`` standard errors away from its prior mean.
     """
 
     value: float

@@ -15,7 +15,7 @@ _MINUTES = re.compile(r"^(\d{1,3}):(\d{2}[.,]\d+)$")
 _DATE = re.compile(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}$")
 # As people write dates; what is tried first is ISO 8601.
 _FORMATS = "ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M"
-# Of these several may be read.
+# A text may be read by several of these.
 _SLASHED = ("%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
             "%m/%d/%Y %I:%M:%S.%f %p", "%m/%d/%Y %H:%M", "%m/%d/%Y %I:%M %p",
             "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%d/%m/%Y %H:%M")  # fmt: skip
@@ -32,9 +32,9 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
 
     Durations are the seconds that they last.
 
-    A time of day that falls back has passed midnight, minutes and seconds the full hour. Of a date
-    that may begin with the day or with the month that reading is taken whose longest step is
-    shorter: days follow each other, not months.
+    A time of day that falls back has passed midnight, minutes and seconds the full hour. Where a
+    date may begin with the day or with the month, the reading whose longest step is shorter is
+    taken: days follow each other, not months.
     """
     if pd.api.types.is_datetime64_any_dtype(column):
         return _since_first(column)

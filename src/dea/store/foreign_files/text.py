@@ -241,7 +241,7 @@ def _layout(rows: Sequence[str]) -> Layout | None:
 
 def _fields(row: str, layout: Layout) -> list[str]:
     if layout.separator == " ":
-        # Of a table with tabs as well, which must not seem to have a column less.
+        # The table has tabs as well, so that a row that ends in one has an empty last column.
         return [*row.split(), ""] if row.endswith("\t") else row.split()
     fields = next(csv.reader([row], delimiter=layout.separator, skipinitialspace=True), [])
     stripped = [field.strip() for field in fields]

@@ -217,7 +217,7 @@ def turbulent_pipe(size: float, conditions: Conditions, rng: Generator) -> Built
     """Twenty-four equal streams; their speed is a power 1/6 to 1/9 of the way from the wall."""
     power = 1.0 / rng.uniform(6.0, 9.0)
     wall = np.linspace(1.0, 0.0, 20_001)
-    # Of the flow between wall and axis, x^p (1 - x) dx, by parts.
+    # The integral of the flow x^p (1 - x) dx between wall and axis, by parts.
     beyond = wall ** (1.0 + power) / (1.0 + power) - wall ** (2.0 + power) / (2.0 + power)
     carried = 1.0 - beyond / beyond[0]
     speeds = np.interp((np.arange(24) + 0.5) / 24.0, carried, wall) ** power
