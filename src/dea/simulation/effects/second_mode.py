@@ -9,6 +9,8 @@ from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 _TWO_PI = 2.0 * np.pi
+# Damping ratio, 1/√2, from which a mode has no resonance: what relaxes without one is creep.
+_NO_PEAK = 0.7
 # Whether the second mass moves by itself. If no spring holds the first mass, the second one starts
 # at its position with its speed, which are known after the first step.
 _APART, _TOGETHER = 0.0, 1.0
@@ -95,7 +97,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("coupling", "1", 0.1, 1.5, 1e-4, 5.0, log=True),
         Parameter("frequency", "Hz", 0.1 * nyquist, 1.0, 1e-3 * nyquist, nyquist, log=True),
-        Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, 0.9, log=True),
+        Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, _NO_PEAK, log=True),
         Parameter("start_position", "1", middle, span, at_start=True),
         Parameter("hardening", "1", 0.0, 0.3 / span**2, 0.0, 10.0 / span**2, shape=True),
         Parameter("grounded_damping", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
