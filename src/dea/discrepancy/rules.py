@@ -32,7 +32,7 @@ class Rules:
         misfit exceeds what may remain. Several effects together may not leave more floors, unless
         each is certain and it is coloured noise.
     room
-        Part of the gap that must be left for a further effect, and twice that for one of the same
+        Part of the gap that must be left for a further effect, and ``misfit`` for one of the same
         family: less is the error of a law that is only nearly right.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
@@ -83,7 +83,7 @@ class Rules:
     clean: float = 1.15
     misfit: float = 0.25
     grow: float = 1.25
-    room: float = 0.12
+    room: float = 0.03
     second: float = 0.65
     rival_margin: float = 1.05
     predictable: float = 0.80

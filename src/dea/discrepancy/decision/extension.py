@@ -80,7 +80,7 @@ def best_extension(
         needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
         if len(families_of(best)) < len(best.names):
             whole = misfit(evidence.nominal_error, floor)
-            needed = needed and misfit(chosen.rmse, floor) > 2 * rules.room * whole
+            needed = needed and misfit(chosen.rmse, floor) > rules.misfit * whole
         most = (1.0 - rules.second) * misfit(chosen.rmse, floor)
         if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= most:
             chosen = best
