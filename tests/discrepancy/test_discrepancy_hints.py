@@ -211,6 +211,7 @@ def test_a_long_record_gets_half_of_the_fits():
     assert halved == (2, 3, 1, 1, 2)
     assert (long.shakes, long.exchanges, long.restarted) == (1, 0, 4)
     assert (long.effects, long.last_steps) == (3, 21)
+    assert (budget.room, long.room) == (0.0, 0.12)
     assert long.tolerance == pytest.approx(10 * budget.tolerance)
     none = Budget(shakes=0, restarted=0, long_record=10).of(11, False)
     assert (none.shakes, none.restarted) == (0, 0)

@@ -1113,6 +1113,16 @@ def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_
     assert sorted(ports) == [Port.INPUT, Port.OUTPUT]
 
 
+@pytest.mark.parametrize(("room", "tried"), [(0.0, True), (0.9, False)])
+def test_pairs_are_tried_where_enough_of_the_gap_is_left(room, tried):
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()["sensor_lag"]]
+    budget = Budget(starts=1, shakes=0, exchanges=0, restarted=0, room=room)
+    _, *pairs = Search(problem, [nominal], offered, budget, Rules()).rounds()
+    assert bool(pairs) == tried
+
+
 @pytest.mark.slow
 def test_fewer_further_effects_are_fitted_to_the_end_than_first_ones():
     problem, extended = hidden("dead_zone")

@@ -22,6 +22,14 @@ class Budget(Section):
     finished: Count = key("candidates of a round that are fitted to the end")
     beam: Count = key("leading candidates that the next round builds on")
     effects: Whole = key("effects attached at most", ge=1, le=3)
+    room: NotNegative = key(
+        "part of the gap that must be left for larger sets to be tried; `rules.room` says when "
+        "they are accepted",
+        default=0.0,
+    )
+    long_room: NotNegative = key(
+        "the same of a long record, of which they take minutes", default=0.12
+    )
     starts: Count = key("starts of the fit of the simulation alone", default=4)
     offered: Count = key(
         "effects that are screened beside another one, those that promise most by a linear step",

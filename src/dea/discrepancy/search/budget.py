@@ -26,6 +26,9 @@ class Budget:
         another port than these.
     effects
         Effects attached at most.
+    room, long_room
+        Part of the gap that the best set must leave for larger ones to be tried, and the same of a
+        long record, of which they take minutes. When they are accepted is in the rules.
     offered
         Effects that are screened beside another one: those that promise most by a linear step.
     kept
@@ -60,15 +63,17 @@ class Budget:
         much faster than it moves, and than the simulation takes steps.
     long_record
         A record of more samples gets half of ``starts``, ``finished``, ``beam``, ``kept`` and
-        ``restarted``, one shake, and no exchange. If it is sampled much faster than it moves, it
-        gets all of the finished candidates and twice the last steps, otherwise half of the
-        screening and ten times the tolerance.
+        ``restarted``, one shake, no exchange, and ``long_room``. If it is sampled much faster than
+        it moves, it gets all of the finished candidates and twice the last steps, otherwise half of
+        the screening and ten times the tolerance.
     """
 
     starts: int = 4
     finished: int = 6
     beam: int = 2
     effects: int = 2
+    room: float = 0.0
+    long_room: float = 0.12
     offered: int = 8
     kept: int = 2
     screening: int = 4
@@ -109,6 +114,7 @@ class Budget:
             shakes=min(1, self.shakes),
             restarted=self.restarted // 2,
             exchanges=0,
+            room=self.long_room,
         )
         if oversampled:
             return replace(halved, finished=self.finished, last_steps=2 * self.last_steps)
