@@ -227,7 +227,7 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
     assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
     text = path.read_text()
     path.write_text(text.replace("dead_zone", "dead_zoo"))
-    with pytest.raises(InputError, match="no effect 'dead_zoo'"):
+    with pytest.raises(InputError, match=r"yaml: effects: there is no effect 'dead_zoo'"):
         load_extended(path)
     # A file made before the law had got a parameter.
     path.write_text(text.replace("dead_zone.bend", "dead_zone.bent"))

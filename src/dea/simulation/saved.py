@@ -89,7 +89,7 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
     """
     file = Path(path)
     content = read_yaml(
-        file, what="the extended simulation", example="one that a diagnosis has saved"
+        file, what="the extended simulation", example="a file that a diagnosis has saved"
     )
     try:
         effects = content["effects"]
@@ -127,6 +127,8 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
                 )
         values = np.array([own[name]["value"] for name in extended.names])
         return extended, values, float(content["interval"])
+    except InputError:
+        raise
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"it is no extended simulation ({type(error).__name__}: {error})",
