@@ -171,12 +171,11 @@ def test_a_soft_rate_limit_saturates_as_its_formula_says(sharpness):
         most = rate if asked > 0.0 else 0.5 * rate
         return [asked / (1.0 + abs(asked / most) ** sharpness) ** (1.0 / sharpness)]
 
-    v = 1.0
+    v, times = 1.0, DT * np.append(np.arange(80) + 0.5, 80.0)
     for first, target in ((80, 3.0), (160, 0.5)):
-        times = DT * (np.arange(80) + 0.5)
         course = solve_ivp(speed, (0.0, 80 * DT), [v], args=(target,), t_eval=times, rtol=1e-9)
-        np.testing.assert_allclose(found[first : first + 80], course.y[0], atol=0.02)
-        v = target if first == 160 else found[first + 79]
+        *expected, v = course.y[0]
+        np.testing.assert_allclose(found[first : first + 80], expected, atol=0.02)
 
 
 def test_rates_that_grow_with_the_level_rise_and_fall_exponentially():
@@ -272,14 +271,24 @@ def test_streams_of_unequal_speed_arrive_one_after_the_other():
     np.testing.assert_allclose(found, np.mean(one_by_one, axis=0), atol=2e-3 * np.ptp(U))
 
 
-def test_a_wave_that_is_reflected_arrives_again_after_three_delays():
+def test_a_wave_that_is_reflected_arrives_again_after_three_times_as_long():
+    """The delay is the mean of both arrivals."""
     pulse = np.zeros(400)
     pulse[10] = 1.0
     q = values("transport_delay", delay=20 * DT, echo=-0.1)
     found = catalogue()["transport_delay"].shape_input(pulse, q, DT)
     expected = np.zeros(400)
-    expected[[30, 70]] = 1.1, -0.1
+    expected[[35, 85]] = 1.1, -0.1
     np.testing.assert_allclose(found, expected, atol=1e-12)
+    assert found @ (np.arange(400) - 10) == pytest.approx(20)
+
+
+def test_streams_that_hardly_differ_delay_a_smooth_input_as_a_pure_delay_does():
+    effect, signal = catalogue()["transport_delay"], np.sin(2 * np.pi * 8.0 * T)
+    shared = {"delay": 6.3 * DT, "streams": 1.0, "smooth": 1.0}
+    sharp = effect.shape_input(signal, values("transport_delay", **shared), DT)
+    spread = effect.shape_input(signal, values("transport_delay", spread=1e-6, **shared), DT)
+    np.testing.assert_allclose(spread[20:], sharp[20:], atol=1e-4)
 
 
 def test_electrode_lag_solves_its_differential_equation():

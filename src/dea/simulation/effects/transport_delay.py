@@ -14,27 +14,30 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
     What arrives is spread by a first-order lag, as where a flow is mixed, or by streams of unequal
     speed, as where it is laminar: their part is ``streams``. A wave that is reflected at both ends
-    arrives again after three delays, with a part ``echo`` of the input.
+    arrives again after three times as long, with a part ``echo`` of the input.
     """
-    delay, spread, streams, echo, smooth = q
+    mean, spread, streams, echo, smooth = q
+    delay = mean / (1.0 + 2.0 * echo)
+    first = (1.0 - spread) * delay
     shifted = delayed_smoothly if smooth else delayed
-    mixed = shifted(held_lag(u, spread * delay, interval), (1.0 - spread) * delay, interval)
+    mixed = shifted(held_lag(u, spread * delay, interval), first, interval)
     arriving: np.ndarray = mixed
     if streams > 0.0 and spread * delay > 0.0:
-        arriving = (1.0 - streams) * mixed + streams * _of_streams(u, delay, spread, interval)
+        apart = shifted(_of_streams(u, first, spread, interval), first, interval)
+        arriving = (1.0 - streams) * mixed + streams * apart
     if echo != 0.0:
         arriving = (1.0 - echo) * arriving + echo * shifted(arriving, 2.0 * delay, interval)
     return arriving
 
 
-def _of_streams(u: np.ndarray, delay: float, spread: float, interval: float) -> np.ndarray:
+def _of_streams(u: np.ndarray, first: float, spread: float, interval: float) -> np.ndarray:
     """Return the means over intervals of a held input (n,) behind streams of unequal speed.
 
-    A part 1 - (d/t)^(1/``spread``) of them has arrived by t > d, the first at d; those of a laminar
-    flow have a spread of one half. Their mean is the ``delay``.
+    Counted from the ``first`` arrival d, a part 1 - (d/t)^(1/``spread``) of them has arrived by
+    t > d; those of a laminar flow have a spread of one half. Their mean is d/(1 - spread).
     """
-    first, power = (1.0 - spread) * delay, 1.0 / spread
-    late = np.maximum(interval * np.arange(-1, u.size + 1), first)
+    power = 1.0 / spread
+    late = first + interval * np.maximum(np.arange(-1, u.size + 1), 0)
     # The integral over time of the part that has arrived.
     arrived = late - first - first * (1.0 - (late / first) ** (1.0 - power)) / (power - 1.0)
     weights = np.diff(arrived, 2) / interval
