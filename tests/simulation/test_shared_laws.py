@@ -78,7 +78,7 @@ def test_over_an_interval_far_shorter_than_its_time_constant_a_lag_stays(tau):
     np.testing.assert_allclose(held_charge(2.0, 5.0, tau, 1.0, 0.0, 0.02), 2.0, atol=1e-4)
 
 
-@pytest.mark.parametrize("order", [0.5, 0.99, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("order", [1.0, 1.01, 1.5, 2.0, 3.0])
 @pytest.mark.parametrize("tau", [0.03, 0.3, 30.0])
 def test_a_charge_approaches_with_a_power_of_the_distance(order, tau):
     """From 2 up to 5, by an adaptive integration of the distance and of its mean."""

@@ -84,18 +84,16 @@ def powered(
 ) -> tuple[float, float]:  # fmt: skip
     """Return the mean and the end of what follows a held value with a power of the distance.
 
-    The distance x obeys dx/dt = -x^``order`` / tau in units of its first value, exactly; with an
-    order below one it ends. The time constants of the start are those of :func:`remaining`.
+    The distance x obeys dx/dt = -x^``order`` / tau in units of its first value, exactly, with an
+    order of at least one. The time constants of the start are those of :func:`remaining`.
     """
     beyond = order - 1.0
-    if abs(beyond) < 1e-6:
+    if beyond < 1e-6:
         return held_charge(v, target, tau, falling, growth, interval)
     ratio = _intervals(v, target, tau, falling, growth, interval)
-    growing = np.log1p(beyond * ratio) if beyond * ratio > -1.0 else -np.inf
+    growing = np.log1p(beyond * ratio)
     if ratio < 1e-9:
         mean, end = 1.0, 1.0
-    elif growing == -np.inf:
-        mean, end = 1.0 / ((1.0 - beyond) * ratio), 0.0
     else:
         end = np.exp(-growing / beyond)
         if abs(beyond - 1.0) < 1e-6:
