@@ -47,7 +47,10 @@ def gains(
     reference = np.array([energies(residual, blocks) for residual in before])
     sums = np.array([energies(residual, blocks) for residual in after])
     picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
-    drawn = 0.5 * np.log(reference[:, picks].sum(2) / sums[:, picks].sum(2))
+    with np.errstate(invalid="ignore"):
+        drawn = 0.5 * np.log(reference[:, picks].sum(2) / sums[:, picks].sum(2))
+    # Where neither leaves anything there is no gain, which cannot be ranked.
+    drawn = np.where(np.isnan(drawn), 0.0, drawn)
     rank = (rankdata(drawn, method="ordinal", axis=1) - 0.5) / _DRAWS
     rarity = np.minimum(rank, 1.0 - rank).min(0)
     level = float(np.quantile(rarity, 0.05))
