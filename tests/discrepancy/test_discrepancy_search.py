@@ -528,6 +528,41 @@ def test_a_further_effect_must_remove_most_of_what_is_left(left, chosen):
     assert best_extension(evidence, rounds, [alone]) is {"pair": pair, "alone": alone}[chosen]
 
 
+@pytest.mark.parametrize(
+    ("left", "second", "chosen"),
+    [
+        (1.6, "dead_zone", "pair"),  # 14 % of the gap, for a law of another family
+        (1.26, "dead_zone", "pair"),
+        (1.6, "slew_limit", "alone"),
+        (3.0, "slew_limit", "pair"),  # 32 %
+    ],
+)
+def test_a_further_effect_of_the_same_family_needs_more_room(left, second, chosen):
+    """A lag leaves so many noise deviations of nine, both together hardly more than noise."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    alone, pair = candidate(left, "sensor_lag"), candidate(1.01, "sensor_lag", second)
+    rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
+    assert best_extension(evidence, rounds, [alone]) is {"pair": pair, "alone": alone}[chosen]
+
+
+def test_extensions_are_compared_on_the_same_blocks_left_out():
+    """A course in time is predicted well in short blocks alone, and so is all beside it."""
+    evidence, candidate = graded()
+    alone, pair = candidate(4.0, "gain_drift"), candidate(1.5, "dead_zone", "sensor_lag")
+    compared = []
+
+    class Seen(Predicted):
+        def residual(self, fitted, beside=None):
+            compared.append((fitted, beside))
+            return super().residual(fitted, beside)
+
+    evidence = replace(evidence, held_out=Seen(evidence.problem, lambda fitted: fitted.residual))
+    rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
+    best_extension(evidence, rounds, [alone])
+    assert (pair.fit, alone.fit) in compared
+
+
 def test_no_more_effects_are_combined_than_the_budget_allows():
     problem, extended = hidden("dead_zone", "sensor_lag")
     nominal = fit(problem, extended, np.zeros(extended.free.size))
