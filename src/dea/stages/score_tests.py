@@ -18,9 +18,9 @@ def score_tests(
 ) -> None:
     """Write ``test_scores.nc`` of one case; a file's name is the test record's.
 
-    Each run starts from the first measured outputs, as many as the model's largest lag; they are
-    not scored. Simpler structures are estimated from the segment that the model comes from, by the
-    same criterion, and scored alike.
+    Each run starts from the first measured outputs, as many as the largest lag of the model and of
+    all simpler structures; they are not scored. Simpler structures are estimated from the segment
+    that the model comes from, by the same criterion, and scored alike.
     """
     from dea import store
     from dea.narx import NarxModel, baselines, constant, estimate_refined
@@ -76,7 +76,7 @@ def _signals_like(known: "store.Record", file: Path, start: int) -> "store.Recor
         raise error.at(file=file, remedy=remedy) from error
     if signals.y.size < start + 2:
         raise InputError(
-            f"it holds {signals.y.size} samples, of which the model's lags take {start}",
+            f"it holds {signals.y.size} samples, of which the lags of the models take {start}",
             file=file,
             field="rows",
             remedy="Test on a longer stretch",
