@@ -23,12 +23,12 @@ class Budget(Section):
     beam: Count = key("leading candidates that the next round builds on")
     effects: Whole = key("effects attached at most", ge=1, le=3)
     room: NotNegative = key(
-        "part of the gap that must be left for larger sets to be tried; `rules.room` says when "
-        "they are accepted",
+        "part of the gap that must be left for larger sets to be tried, if it is more than "
+        "`rules.room`",
         default=0.0,
     )
     long_room: NotNegative = key(
-        "the same of a long record, of which they take minutes", default=0.12
+        "the same for a long record, where trying larger sets takes minutes", default=0.12
     )
     starts: Count = key("starts of the fit of the simulation alone", default=4)
     offered: Count = key(
@@ -122,7 +122,11 @@ class Rules(Section):
         default=2.5,
         ge=1,
     )
-    law_error: Share = key("part of the gap that the law of a right effect may leave", default=0.05)
+    law_error: Share = key(
+        "part of the gap that the law of a right effect may leave, and that a certain part which "
+        "is named with others must remove by itself",
+        default=0.05,
+    )
     certain: Share = key("presence from which an effect is certain", default=0.9)
     part: Share = key(
         "part of the held-out gap that a certain part must remove, by itself or in the best"

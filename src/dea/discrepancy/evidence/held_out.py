@@ -25,7 +25,7 @@ class HeldOut:
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters change so little that the Jacobian of the fit to all is used.
     The state at the start and the instant of an event keep their values of the fit to all, since
-    only the blocks that contain them tell them. Distant blocks cannot predict a course in time:
+    only the blocks that they lie in determine them. Distant blocks cannot predict a course in time:
     where an extension has one, short blocks are held out and the course is interpolated.
     """
 

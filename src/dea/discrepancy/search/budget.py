@@ -27,8 +27,8 @@ class Budget:
     effects
         Effects attached at most.
     room, long_room
-        Part of the gap that the best set must leave for larger ones to be tried, and the same of a
-        long record, of which they take minutes. When they are accepted is in the rules.
+        Part of the gap that the best set must leave for larger ones to be tried, if it is more than
+        :attr:`Rules.room`; the same for a long record, where trying them takes minutes.
     offered
         Effects that are screened beside another one: those that promise most by a linear step.
     kept

@@ -15,11 +15,11 @@ _PARTS = 4
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Follow the input at a speed that is limited and lags; return means over the intervals.
 
-    Without a lag of the speed this is a first-order lag whose rate saturates, at a corner or softly
-    as that of a differential pair. With one, as of the
-    speed loop within a servo, a rise begins gradually; where that is longer than a quarter of the
-    lag of the place, the rise passes the target and rings about it. Each rate may grow from the
-    middle of the input's range to its upper end, as that of a supply whose current folds back.
+    Without a lag of the speed this is a first-order lag whose rate saturates: abruptly, or
+    gradually like that of a differential pair. With such a lag, like that of the speed loop of a
+    servo, a rise begins gradually; where that is longer than a quarter of the lag of the place, the
+    rise passes the target and rings about it. Each rate may grow from the middle of the input's
+    range to its upper end, as that of a supply whose current folds back.
     """
     rising, falling, tau, inertia = q[0], q[0] * q[1], q[2], q[3]
     h = interval / _PARTS
@@ -42,7 +42,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the rising rate, the falling one's ratio to it, lags, and how each rate grows."""
+    """Return the rates, lags, how each rate grows, and how sharp the limit is."""
     rate, dt = max(scales.u_rate, 1e-9), scales.interval
     middle, half = scales.u_middle, 0.5 * max(scales.u_span, 1e-9)
     return (
@@ -59,7 +59,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return rates below the fastest change of the input, and as fast a one with a lag."""
+    """Return rates below the fastest change of the input, and one equal to it with a lag."""
     dt = scales.interval
     middle, half = scales.u_middle, 0.5 * max(scales.u_span, 1e-9)
     return tuple(
