@@ -24,7 +24,7 @@ class Budget(Section):
     effects: Whole = key("effects attached at most", ge=1, le=3)
     room: NotNegative = key(
         "part of the gap that must be left for larger sets to be tried, if it is more than "
-        "`rules.room`",
+        "`rules.further`",
         default=0.0,
     )
     long_room: NotNegative = key(
@@ -97,7 +97,10 @@ class Rules(Section):
         "each is certain and it is coloured noise",
         unit="floors",
     )
-    room: Share = key("part of the gap that must be left for a further effect")
+    room: Share = key("part of the gap that is more than the error of a law")
+    further: Share = key(
+        "part of the gap from which on a further effect is looked for", default=0.03
+    )
     second: Share = key("part of the remaining misfit that a further effect must remove")
     rival_margin: Number = key(
         "factor by which a rival's misfit must be larger for it to be beaten; for a set of several"

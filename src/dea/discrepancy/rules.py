@@ -32,8 +32,11 @@ class Rules:
         misfit exceeds what may remain. Several effects together may not leave more floors, unless
         each is certain and it is coloured noise.
     room
-        Part of the gap that must be left for a further effect, and ``misfit`` for one of the same
-        family: less is the error of a law that is only nearly right.
+        Part of the gap that is more than the error of a law that is only nearly right: a name that
+        leaves more is not all of the answer.
+    further
+        Part of the gap from which on a further effect is looked for, and accepted if it removes
+        most of that. One of the same family needs ``misfit``.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
         right leaves a small structured residual, part of which almost any second law removes.
@@ -83,7 +86,8 @@ class Rules:
     clean: float = 1.15
     misfit: float = 0.25
     grow: float = 1.25
-    room: float = 0.03
+    room: float = 0.12
+    further: float = 0.03
     second: float = 0.65
     rival_margin: float = 1.05
     predictable: float = 0.80
@@ -116,11 +120,18 @@ class Rules:
         return error <= self.clean * floor and before > self.grow * floor
 
     def leaves_room(self, error: float, nominal_error: float, floor: float) -> bool:
-        """Return whether an error leaves room for a further effect."""
+        """Return whether an error leaves room for more than the error of a law."""
+        return self._leaves(self.room, error, nominal_error, floor)
+
+    def leaves_further(self, error: float, nominal_error: float, floor: float) -> bool:
+        """Return whether an error leaves enough for a further effect to be looked for."""
+        return self._leaves(self.further, error, nominal_error, floor)
+
+    def _leaves(self, part: float, error: float, nominal_error: float, floor: float) -> bool:
         if error <= self.clean * floor:
             return False
         left, whole = misfit(error, floor), misfit(nominal_error, floor)
-        if left <= self.room * whole:
+        if left <= part * whole:
             return False
         return error > self.grow * floor or left > self.misfit * whole
 

@@ -77,7 +77,7 @@ def best_extension(
             if low > -np.log1p(-2 * rules.margin):
                 chosen = best
             continue
-        needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
+        needed = rules.leaves_further(chosen.rmse, evidence.nominal_error, floor)
         if len(families_of(best)) < len(best.names):
             whole = misfit(evidence.nominal_error, floor)
             needed = needed and misfit(chosen.rmse, floor) > rules.misfit * whole

@@ -28,7 +28,7 @@ class Budget:
         Effects attached at most.
     room, long_room
         Part of the gap that the best set must leave for larger ones to be tried, if it is more than
-        :attr:`Rules.room`; the same for a long record, where trying them takes minutes.
+        :attr:`Rules.further`; the same for a long record, where trying them takes minutes.
     offered
         Effects that are screened beside another one: those that promise most by a linear step.
     kept

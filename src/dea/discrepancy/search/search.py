@@ -173,7 +173,7 @@ class Search:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
         level, error = self._lowest_level(candidates), candidates[0].rmse
         worth = misfit(error, level) > self.budget.room * misfit(nominal_error, level)
-        return worth and self.rules.leaves_room(error, nominal_error, level)
+        return worth and self.rules.leaves_further(error, nominal_error, level)
 
     def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
