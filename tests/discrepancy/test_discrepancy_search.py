@@ -957,6 +957,23 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     assert found.answer is (sure if leads else others[0])
 
 
+@pytest.mark.parametrize(("beside", "status"), [(0.7, "named"), (0.5, "ambiguous")])
+def test_larger_sets_that_are_not_accepted_do_not_take_the_weight_of_a_name(beside, status):
+    """Few blocks do not tell it from its rival, but all that hold it are certain together."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    alone, rival = candidate(1.4, "sensor_lag"), candidate(2.2, "dead_zone")
+    pair = candidate(1.38, "sensor_lag", "gain_drift")
+    predicted = Predicted(
+        evidence.problem, lambda each: (2.0 if each is alone.fit else 1.0) * each.residual
+    )
+    weighed = Presence((pair, alone, rival), np.array([beside, 0.28, 0.72 - beside]))
+    evidence = replace(evidence, held_out=predicted)
+    found = decide(evidence, alone, [pair, alone, rival], [alone], weighed)
+    assert found.status == status
+    assert found.answer is alone
+
+
 def named_against(evidence, sure, rival, predicted=None):
     """The name given where one has nearly all the weight; ``predicted`` are held-out residuals."""
     predicted = predicted or {}

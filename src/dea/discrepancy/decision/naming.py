@@ -37,6 +37,9 @@ def decide(
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     surest = weighed.surest(rules.certain)
+    if surest is None and chosen is not None and len(chosen.names) == 1:
+        # Larger sets, of which none is accepted, may share its weight.
+        surest = chosen if weighed.least_of(chosen) >= rules.certain else None
     if surest is not None and _stands_alone(evidence, surest, pool, weighed):
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
     if chosen is None:
