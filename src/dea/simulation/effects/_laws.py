@@ -20,6 +20,10 @@ def knee(x: float, width: float) -> float:
     return (x + width) ** 2 / (4.0 * width)
 
 
+# Sharpness from which four to its power is beyond the digits of a double: 4^27 = 2^54.
+_SHARP = 27.0
+
+
 @njit(float64(float64, float64, float64), cache=True, error_model="numpy")
 def limited(x: float, limit: float, sharpness: float) -> float:
     """Return x / (1 + (x/limit)^p)^(1/p) for x > 0: soft at p = 1, a corner as p grows.
@@ -31,6 +35,12 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     if limit <= 0.0:
         return 0.0
     ratio = x / limit
+    if sharpness >= _SHARP:
+        # The power is below the last digit of one.
+        if ratio < 0.25:
+            return x
+        if ratio > 4.0:
+            return x / ratio
     largest = max(1.0, ratio)
     # Powers of numbers below one cannot overflow.
     result: float = x / (

@@ -1,7 +1,6 @@
 """The input is delayed."""
 
 import numpy as np
-from scipy.signal import fftconvolve
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.effects._laws import delayed, delayed_smoothly, held_lag
@@ -36,6 +35,8 @@ def _of_streams(u: np.ndarray, first: float, spread: float, interval: float) -> 
     Counted from the ``first`` arrival d, a part 1 - (d/t)^(1/``spread``) of them has arrived by
     t > d; those of a laminar flow have a spread of one half. Their mean is d/(1 - spread).
     """
+    from scipy.signal import fftconvolve
+
     power = 1.0 / spread
     late = first + interval * np.maximum(np.arange(-1, u.size + 1), 0)
     # The integral over time of the part that has arrived.
