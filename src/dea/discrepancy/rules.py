@@ -119,21 +119,18 @@ class Rules:
         """Return whether noise alone is left where there was more ``before``."""
         return error <= self.clean * floor and before > self.grow * floor
 
-    def leaves_room(self, error: float, nominal_error: float, floor: float) -> bool:
-        """Return whether an error leaves room for more than the error of a law."""
-        return self._leaves(self.room, error, nominal_error, floor)
-
-    def leaves_further(self, error: float, nominal_error: float, floor: float) -> bool:
-        """Return whether an error leaves enough for a further effect to be looked for."""
-        return self._leaves(self.further, error, nominal_error, floor)
-
-    def _leaves(self, part: float, error: float, nominal_error: float, floor: float) -> bool:
+    def leaves(self, part: float, error: float, nominal_error: float, floor: float) -> bool:
+        """Return whether an error leaves more than noise, and more than a ``part`` of the gap."""
         if error <= self.clean * floor:
             return False
         left, whole = misfit(error, floor), misfit(nominal_error, floor)
         if left <= part * whole:
             return False
         return error > self.grow * floor or left > self.misfit * whole
+
+    def leaves_room(self, error: float, nominal_error: float, floor: float) -> bool:
+        """Return whether an error leaves room for more than the error of a law."""
+        return self.leaves(self.room, error, nominal_error, floor)
 
     def nearly(self, error: float, best: float) -> bool:
         """Return whether an error is the ``best`` one, or nearly so."""

@@ -49,13 +49,12 @@ def best_extension(
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
         leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
-        errors = held_out.compared([c.fit for c in leading])
-        equal = [
-            (round(c.freedom), error, place)
-            for place, (c, error) in enumerate(zip(leading, errors, strict=True))
-            if rules.as_good(error, min(errors), evidence.noise_floor)
-        ]
-        return leading[min(equal)[-1]]
+        errors = dict(
+            zip(map(id, leading), held_out.compared([c.fit for c in leading]), strict=True)
+        )
+        best = min(errors.values())
+        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise_floor)]
+        return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
 
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
@@ -77,10 +76,9 @@ def best_extension(
             if low > -np.log1p(-2 * rules.margin):
                 chosen = best
             continue
-        needed = rules.leaves_further(chosen.rmse, evidence.nominal_error, floor)
-        if len(families_of(best)) < len(best.names):
-            whole = misfit(evidence.nominal_error, floor)
-            needed = needed and misfit(chosen.rmse, floor) > rules.misfit * whole
+        of_one_family = len(families_of(best)) < len(best.names)
+        part = rules.misfit if of_one_family else rules.further
+        needed = rules.leaves(part, chosen.rmse, evidence.nominal_error, floor)
         most = (1.0 - rules.second) * misfit(chosen.rmse, floor)
         if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= most:
             chosen = best

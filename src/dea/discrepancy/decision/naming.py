@@ -36,10 +36,7 @@ def decide(
     error, rules, alone = evidence.nominal_error, evidence.rules, evidence.nominal
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
-    surest = weighed.surest(rules.certain)
-    if surest is None and chosen is not None and len(chosen.names) == 1:
-        # Larger sets, of which none is accepted, may share its weight.
-        surest = chosen if weighed.least_of(chosen) >= rules.certain else None
+    surest = _surest(weighed, chosen, rules.certain)
     if surest is not None and _stands_alone(evidence, surest, pool, weighed):
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
     if chosen is None:
@@ -73,6 +70,18 @@ def decide(
     if sure or not akin:
         return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
     return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
+
+
+def _surest(weighed: Presence, chosen: Candidate | None, certain: float) -> Candidate | None:
+    """Return the candidate that the evidence leaves alone, if there is one.
+
+    The weight of a single effect that is chosen is also that of larger sets which hold it, of which
+    none is accepted.
+    """
+    alone = weighed.surest(certain)
+    if alone is not None or chosen is None or len(chosen.names) > 1:
+        return alone
+    return chosen if weighed.least_of(chosen) >= certain else None
 
 
 def _beside_rivals(

@@ -171,9 +171,9 @@ class Search:
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
-        level, error = self._lowest_level(candidates), candidates[0].rmse
-        worth = misfit(error, level) > self.budget.room * misfit(nominal_error, level)
-        return worth and self.rules.leaves_further(error, nominal_error, level)
+        level = self._lowest_level(candidates)
+        part = max(self.budget.room, self.rules.further)
+        return self.rules.leaves(part, candidates[0].rmse, nominal_error, level)
 
     def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
