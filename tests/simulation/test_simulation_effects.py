@@ -272,15 +272,14 @@ def test_streams_of_unequal_speed_arrive_one_after_the_other():
 
 
 def test_a_wave_that_is_reflected_arrives_again_after_three_times_as_long():
-    """The delay is the mean of both arrivals."""
+    """The delay is that of the first arrival."""
     pulse = np.zeros(400)
     pulse[10] = 1.0
     q = values("transport_delay", delay=20 * DT, echo=-0.1)
     found = catalogue()["transport_delay"].shape_input(pulse, q, DT)
     expected = np.zeros(400)
-    expected[[35, 85]] = 1.1, -0.1
+    expected[[30, 70]] = 1.1, -0.1
     np.testing.assert_allclose(found, expected, atol=1e-12)
-    assert found @ (np.arange(400) - 10) == pytest.approx(20)
 
 
 def test_streams_that_hardly_differ_delay_a_smooth_input_as_a_pure_delay_does():

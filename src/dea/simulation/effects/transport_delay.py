@@ -13,10 +13,10 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
     What arrives is spread by a first-order lag, as where a flow is mixed, or by streams of unequal
     speed, as where it is laminar: their part is ``streams``. A wave that is reflected at both ends
-    arrives again after three times as long, with a part ``echo`` of the input.
+    arrives again after three times as long, with a part ``echo`` of the input. The delay is the
+    mean one of what arrives first.
     """
-    mean, spread, streams, echo, smooth = q
-    delay = mean / (1.0 + 2.0 * echo)
+    delay, spread, streams, echo, smooth = q
     first = (1.0 - spread) * delay
     shifted = delayed_smoothly if smooth else delayed
     mixed = shifted(held_lag(u, spread * delay, interval), first, interval)
@@ -47,7 +47,7 @@ def _of_streams(u: np.ndarray, first: float, spread: float, interval: float) -> 
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the mean delay, its spread and how it is spread, the echo, if the input is smooth."""
+    """Return the delay, its spread and how it is spread, the echo, and if the input is smooth."""
     longest = min(0.1 * scales.duration, 500 * scales.interval)
     return (
         Parameter("delay", "s", 0.0, 4 * scales.interval, 0.0, longest),
