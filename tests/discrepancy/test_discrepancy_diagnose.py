@@ -66,7 +66,6 @@ def test_nothing_is_named_where_nothing_is_missing():
 @pytest.mark.parametrize(
     ("name", "size"),
     [
-        ("transport_delay", 1.0),
         ("gain_drift", 1.5),
         ("periodic_disturbance", 1.0),
     ],
@@ -76,6 +75,17 @@ def test_an_effect_of_another_form_is_named(name, size):
     assert found.verdict.status == "named", found.verdict.sentence
     assert found.verdict.names == (name,)
     assert found.verdict.certified["rmse_after"] < 1.3 * found.noise_floor
+
+
+@pytest.mark.slow
+def test_a_delay_is_named_on_most_records_of_it():
+    """Three samples on a film of a lag of its own: a few records leave a short lag possible."""
+    found = [diagnosed(("transport_delay", 1.0), seed=seed) for seed in range(1, 7)]
+    assert all(each.verdict.names == ("transport_delay",) for each in found)
+    assert all(each.verdict.certified["rmse_after"] < 1.3 * each.noise_floor for each in found)
+    status = [each.verdict.status for each in found]
+    assert status.count("named") >= 5, status
+    assert set(status) <= {"named", "ambiguous"}
 
 
 @pytest.mark.slow
