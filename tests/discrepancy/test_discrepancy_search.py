@@ -619,6 +619,26 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     assert (found.status, found.answer) == (status, right)
 
 
+@pytest.mark.parametrize(
+    ("other", "weight", "status"),
+    [
+        ("output_saturation", 0.46, "ambiguous"),
+        ("output_saturation", 0.65, "named"),
+        ("sensor_lag", 0.46, "named"),
+    ],
+)
+def test_an_effect_that_is_likelier_counts_beside_one_of_its_family(other, weight, status):
+    """It leaves more, and predicts blocks left out worse, so that it is no rival by its error."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen, likelier = candidate(1.001, "input_saturation"), candidate(1.3, other)
+    pool = [chosen, likelier]
+    weighed = Presence((likelier, chosen), np.array([1.0 - weight, weight]))
+    found = decide(evidence, chosen, pool, [chosen], weighed)
+    assert (found.status, found.answer) == (status, chosen)
+    assert found.rivals == ((likelier,) if status == "ambiguous" else ())
+
+
 def test_a_name_that_the_evidence_is_against_is_not_given():
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())

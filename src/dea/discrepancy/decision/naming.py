@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.decision.adequacy import borne_out, explained, rest_of, share_of
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
-from dea.discrepancy.decision.rivals import rivals_of
+from dea.discrepancy.decision.rivals import rivals_of, same_class
 from dea.discrepancy.evidence.bootstrap import beaten
 from dea.discrepancy.evidence.colour import (
     follows_no_force,
@@ -56,9 +56,9 @@ def decide(
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
     leaves_noise = chosen.rmse <= rules.clean * evidence.floor
+    likeliest = next((c for c in weighed.candidates if c.effects != chosen.effects), None)
     if weighed.least_of(chosen) < (1.0 - rules.certain if leaves_noise else rules.likely):
         # The evidence is not for all of it, whatever is predicted on blocks left out.
-        likeliest = next((c for c in weighed.candidates if c.effects != chosen.effects), None)
         if likeliest is None:
             return Decision(Status.UNKNOWN, chosen, reason=Reason.NO_EFFECT)
         if all(rival.effects != likeliest.effects for rival in rivals):
@@ -66,6 +66,9 @@ def decide(
     if rivals:
         return _beside_rivals(evidence, chosen, rivals, pool, proven, weighed)
     akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
+    if not akin and likeliest is not None and same_class(chosen, likeliest):
+        # Which effect of a family it is, its presence says.
+        akin = (likeliest,) if weighed.least_of(chosen) < rules.likely else ()
     sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
     if sure or not akin:
         return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
