@@ -72,7 +72,9 @@ def decide(
     sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
     if sure or not akin:
         return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
-    return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
+    leading = max((chosen, *akin), key=weighed.least_of)
+    others = tuple(c for c in (chosen, *akin) if c is not leading)
+    return Decision(Status.AMBIGUOUS, leading, others, Reason.RIVAL)
 
 
 def _surest(weighed: Presence, chosen: Candidate | None, certain: float) -> Candidate | None:
