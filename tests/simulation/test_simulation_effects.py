@@ -11,7 +11,7 @@ from law_values import DT, SCALES, values
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
 from scipy.linalg import expm
-from scipy.optimize import brentq
+from scipy.optimize import brentq, least_squares
 from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 
 from dea.simulation import Port, catalogue
@@ -147,6 +147,22 @@ def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
     q = values("output_saturation", upper_end=1.0, lower_end=0.5, sharpness=200.0, middle=0.8)
     law = catalogue()["output_saturation"].shape_output
     assert np.allclose(law(Y, T, q, DT), np.clip(Y, 0.5, 1.0), atol=2e-3)
+
+
+@pytest.mark.parametrize(("slope", "limits"), [(0.1, True), (0.4, False)])
+def test_a_bend_that_passes_most_of_what_comes_is_no_limit(slope, limits):
+    u = np.linspace(0.0, SCALES.u_peak, 200)
+    knee = 0.5 * SCALES.u_peak
+    bent = np.where(u < knee, u, knee + slope * (u - knee))
+    effect = catalogue()["input_saturation"]
+    limit, sharpness, remaining = effect.parameters(SCALES)[:3]
+    low, high = zip(*((p.low, p.high) for p in (limit, sharpness, remaining)), strict=True)
+    fitted = least_squares(
+        lambda q: effect.shape_input(u, np.array([*q, 1.0, 0.0]), DT) - bent,
+        [knee, 30.0, 0.05], bounds=(low, high), x_scale=[knee, 30.0, 0.1],
+    )  # fmt: skip
+    left = np.sqrt(np.mean(fitted.fun**2)) / SCALES.u_peak
+    assert bool(left < 0.003) is limits
 
 
 def test_slew_limit_without_lag_is_a_rate_limiter():

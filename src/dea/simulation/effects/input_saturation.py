@@ -52,7 +52,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("limit", scales.u_unit, 0.8 * peak, 0.3 * peak, 0.05 * peak, 3.0 * peak),
         Parameter("sharpness", "1", 8.0, 1.0, 1.0, 200.0, log=True, shape=True),
-        Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.6, shape=True),
+        Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.25, shape=True),
         Parameter("negative_ratio", "1", 1.0, 0.5 if scales.bipolar else 0.0, 0.0, 5.0),
         Parameter(
             "recovery", "s", 0.0, 4 * scales.interval, 0.0, 0.1 * scales.duration, shape=True

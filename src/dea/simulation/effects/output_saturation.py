@@ -34,7 +34,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("upper_end", unit, high, 0.3 * span, middle, high + 3.0 * span),
         Parameter("lower_end", unit, low - 0.2 * span, 0.3 * span, low - 3.0 * span, middle),
         Parameter("sharpness", "1", 8.0, 1.0, 1.0, 200.0, log=True, shape=True),
-        Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.6, shape=True),
+        Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.25, shape=True),
         Parameter("middle", unit, middle, 0.2 * span, low - span, high, shape=True),
     )
 
