@@ -66,14 +66,19 @@ def decide(
     if rivals:
         return _beside_rivals(evidence, chosen, rivals, pool, proven, weighed)
     akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
-    if not akin and likeliest is not None and same_class(chosen, likeliest):
+    unlikely = weighed.least_of(chosen) < rules.likely
+    if not akin and unlikely and likeliest is not None and same_class(chosen, likeliest):
         # Which effect of a family it is, its presence says.
-        akin = (likeliest,) if weighed.least_of(chosen) < rules.likely else ()
+        akin = (likeliest,)
     sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
     if sure or not akin:
         return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
-    leading = max((chosen, *akin), key=weighed.least_of)
-    others = tuple(c for c in (chosen, *akin) if c is not leading)
+    several = (chosen, *akin)
+    return _ambiguous(several, leading=max(several, key=weighed.least_of))
+
+
+def _ambiguous(several: Sequence[Candidate], leading: Candidate) -> Decision:
+    others = tuple(c for c in several if c is not leading)
     return Decision(Status.AMBIGUOUS, leading, others, Reason.RIVAL)
 
 
@@ -122,8 +127,7 @@ def _beside_rivals(
     if weighed.least_of(chosen) < 1.0 - evidence.rules.certain:
         closer = (rival for rival in rivals if rival.error <= chosen.error)
         leading = max((chosen, *closer), key=weighed.least_of)
-    others = tuple(c for c in (chosen, *rivals) if c is not leading)
-    return Decision(Status.AMBIGUOUS, leading, others, Reason.RIVAL)
+    return _ambiguous((chosen, *rivals), leading)
 
 
 def _stands_alone(
