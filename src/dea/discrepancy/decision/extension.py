@@ -49,12 +49,13 @@ def best_extension(
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
         leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
-        errors = dict(
-            zip(map(id, leading), held_out.compared([c.fit for c in leading]), strict=True)
-        )
-        best = min(errors.values())
-        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise_floor)]
-        return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
+        errors = held_out.compared([c.fit for c in leading])
+        equal = [
+            (candidate, error)
+            for candidate, error in zip(leading, errors, strict=True)
+            if rules.as_good(error, min(errors), evidence.noise_floor)
+        ]
+        return min(equal, key=lambda pair: (round(pair[0].freedom), pair[1]))[0]
 
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
