@@ -1,6 +1,6 @@
 """A record to be explained: its signals, the roles of its samples, and its noise."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.split import cut
 from dea.missing import filled, runs
-from dea.simulation import ExtendedSimulation, samples_of_each
+from dea.simulation import ExtendedSimulation, ShapedInput, samples_of_each
 
 _BRIDGED = 8  # samples of a missing stretch across which a residual is interpolated
 _FOR_NOISE = 8, 64  # blocks of the noise level in a record, and their least number of samples
@@ -158,9 +158,17 @@ class Problem(Samples):
         """
         return rmse(residual, self.seen)
 
-    def moved(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
-        """Return the output before gain, zero and effects of the sensor, shape (n,)."""
-        result: np.ndarray = extended.run(values, self.u, self.interval)[0]
+    def moved(
+        self,
+        extended: ExtendedSimulation,
+        values: np.ndarray,
+        shaped: Sequence[ShapedInput] | None = None,
+    ) -> np.ndarray:
+        """Return the output before gain, zero and effects of the sensor, shape (n,).
+
+        The input ``shaped`` for other values is used as far as it is the same for these.
+        """
+        result: np.ndarray = extended.run(values, self.u, self.interval, shaped)[0]
         return result
 
     def residual(

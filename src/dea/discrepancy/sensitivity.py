@@ -24,17 +24,18 @@ def sensitivities(
     diverges has a derivative of zero, so that no step is made in it.
     """
     _, high = extended.bounds
+    values = extended.values(coordinates)
+    shaped = extended.shaped(values, problem.u, problem.interval) if which.size else None
     reading = extended.only_read
-    output = None
-    if reading[which].any():
-        output = problem.moved(extended, extended.values(coordinates))
+    here = problem.moved(extended, values, shaped) if reading[which].any() else None
     result = np.zeros((problem.size, which.size))
     for column, i in enumerate(which):
         moved = coordinates.copy()
         step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
         moved[i] += step
-        known = output if reading[i] else None
-        change = problem.residual(extended, extended.values(moved), known) - residual
+        there = extended.values(moved)
+        output = here if reading[i] else problem.moved(extended, there, shaped)
+        change = problem.residual(extended, there, output) - residual
         result[:, column] = change / step if np.isfinite(change).all() else 0.0
     return result
 

@@ -21,6 +21,7 @@ from dea.simulation.preparation import (
 from dea.simulation.saved import load_extended, save_extended
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import SensorFilter
+from dea.simulation.shaped_input import ShapedInput
 from dea.simulation.signatures import FORCE, SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
@@ -42,6 +43,7 @@ __all__ = [
     "Port",
     "Scales",
     "SensorFilter",
+    "ShapedInput",
     "Simulation",
     "State",
     "at_steps",

@@ -7,19 +7,20 @@ from functools import cached_property
 import numpy as np
 
 from dea.errors import InputError
-from dea.inputs import by_input, joined
-from dea.simulation.arguments import Course, Values, Workspace
+from dea.inputs import by_input
+from dea.simulation.arguments import Values, Workspace
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
 from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
-from dea.simulation.interpolation import InputInterpolation, at_steps
+from dea.simulation.interpolation import InputInterpolation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter, Scaling
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import UNFILTERED
+from dea.simulation.shaped_input import ShapedInput
 from dea.simulation.signatures import SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.timing import shifted
@@ -107,6 +108,8 @@ class ExtendedSimulation:
     @cached_property
     def alone(self) -> "ExtendedSimulation":
         """The same simulation of one record."""
+        if self.records == 1:
+            return self
         attached = tuple(replace(a, records=1) for a in self.attached)
         return replace(self, attached=attached, lengths=())
 
@@ -122,7 +125,9 @@ class ExtendedSimulation:
         return np.concatenate([values[:own], values[start : start + states], ends, *laws])
 
     def each(self, values: np.ndarray) -> list[tuple[slice, np.ndarray]]:
-        """Return the samples of each of several records, and the values of ``alone`` for it."""
+        """Return the samples of each record, and the values of ``alone`` for it."""
+        if self.records == 1:
+            return [(slice(None), values)]
         return [
             (samples, self.of_record(values, record))
             for record, samples in enumerate(samples_of_each(self.lengths))
@@ -291,7 +296,7 @@ class ExtendedSimulation:
     @property
     def takes_force(self) -> bool:
         """Whether another force can be attached."""
-        return len(self._pushing) < SLOTS
+        return len(self.pushing) < SLOTS
 
     def attach(
         self, effect: Effect, scales: Scales, place: int = 0, upstream: bool = False
@@ -314,7 +319,13 @@ class ExtendedSimulation:
         """Return the free-run output, shape (n,); NaN from where the simulation diverges."""
         return self.read(self.run(values, u, interval)[0], values, interval)
 
-    def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
+    def run(
+        self,
+        values: np.ndarray,
+        u: np.ndarray,
+        interval: float,
+        shaped: Sequence[ShapedInput] | None = None,
+    ) -> np.ndarray:
         """Return the output behind the sensor's own filter, and the normalised position: (2, n).
 
         Both are NaN from where the simulation diverges.
@@ -327,66 +338,64 @@ class ExtendedSimulation:
             Input (n,), of several inputs (n, inputs).
         interval
             In s.
+        shaped
+            That of other values, which is used as far as it is the same for these.
         """
         lead = self.lead(interval)
-        parts = [motion[:, lead:] for motion in self.motions(values, u, interval)]
+        parts = [motion[:, lead:] for motion in self.motions(values, u, interval, shaped)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
     def lead(self, interval: float) -> int:
         """Return how many samples the first input is held for before a record begins."""
         return round(self.simulation.lead_in / interval)
 
-    def motions(self, values: np.ndarray, u: np.ndarray, interval: float) -> list[np.ndarray]:
+    def motions(
+        self,
+        values: np.ndarray,
+        u: np.ndarray,
+        interval: float,
+        shaped: Sequence[ShapedInput] | None = None,
+    ) -> list[np.ndarray]:
         """Return what ``run`` does of each record, from the start of its lead-in on."""
-        if self.records > 1:
-            each = [self.alone.motions(own, u[part], interval) for part, own in self.each(values)]
-            return [motion for [motion] in each]
-        own, lead = self.simulation, self.lead(interval)
-        t = np.arange(len(u)) * interval
-        p_count, x_count = len(own.parameters), len(own.states)
-        acting = self.offset(values, u)
-        scales = [np.ones(t.size) for _ in own.drives]
-        for a, q in self._laws(values):
-            if a.effect.shape_input is not None:
-                acting[a.place] = a.effect.shape_input(acting[a.place], q, interval)
-            if a.effect.scale_drive is not None:
-                scales[a.place] = scales[a.place] * a.effect.scale_drive(t, q)
-        if lead:
-            acting = [np.concatenate([np.full(lead, x[0]), x]) for x in acting]
-            scales = [np.concatenate([np.full(lead, x[0]), x]) for x in scales]
-        several = len(acting) > 1
-        v = joined(acting)
-        drive_scale = np.column_stack(scales) if several else scales[0]
-        substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
-        steps = at_steps(v, substeps, self.input_interpolation)
-        p = values[:p_count].copy()
-        if own.action:
-            scale = at_steps(drive_scale, substeps, "zero")
-            steps = own.action.law(steps, scale, p)
-            p = own.action.table(p) if own.action.table else p
-        run = integrate_several() if several else integrate
-        workspace = Workspace.of(len(v), x_count)
+        shaped = self.shaped(values, u, interval, shaped)
+        each = [own for _, own in self.each(values)]
+        return [self.alone._motion(own, s) for own, s in zip(each, shaped, strict=True)]
+
+    def _motion(self, values: np.ndarray, shaped: ShapedInput) -> np.ndarray:
+        own, course = self.simulation, shaped.course
+        first, states = len(own.parameters), len(own.states)
+        p, step = values[:first], course.interval / course.substeps
+        workspace = Workspace.of(len(course.u), states)
+        run = integrate_several() if len(own.inputs) > 1 else integrate
         run(
-            self._slots.equations([a for a, _ in self._pushing]),
+            self._slots.equations([a for a, _ in self.pushing]),
             Values(
-                parameters=p,
-                initial=values[p_count : p_count + x_count].copy(),
+                parameters=(p if shaped.table is None else shaped.table).copy(),
+                initial=values[first : first + states].copy(),
                 drive=self._drive,
             ),
-            Course(
-                u=v,
-                steps=steps,
-                straight=int(self.input_interpolation != "zero"),
-                drive_scale=drive_scale,
-                interval=interval,
-                substeps=substeps,
-                lead=lead,
-            ),
-            self._slots.forces([(a, values[own]) for a, own in self._pushing], values[:p_count]),
-            own.sensor_filter.over(interval / substeps) if own.sensor_filter else UNFILTERED,
+            course,
+            self._slots.forces([(a, values[law]) for a, law in self.pushing], p),
+            own.sensor_filter.over(step) if own.sensor_filter else UNFILTERED,
             workspace,
         )
-        return [workspace.result]
+        return workspace.result
+
+    def shaped(
+        self,
+        values: np.ndarray,
+        u: np.ndarray,
+        interval: float,
+        known: Sequence[ShapedInput] | None = None,
+    ) -> list[ShapedInput]:
+        """Return the input over each record as the laws shape it, or that ``known`` if the same."""
+        made = []
+        for number, (samples, own) in enumerate(self.each(values)):
+            if known is not None and known[number].holds(self.alone, own):
+                made.append(known[number])
+            else:
+                made.append(ShapedInput.of(self.alone, own, u[samples], interval))
+        return made
 
     def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
         """Return each input, shape (n,), with the constant that is added to it.
@@ -415,7 +424,7 @@ class ExtendedSimulation:
         gain, offset, late = values[self._laws_from - 3 : self._laws_from]
         y: np.ndarray = gain * shifted(output, late / interval) + offset
         t = np.arange(y.size) * interval
-        for a, q in self._laws(values):
+        for a, q in self.laws(values):
             if a.effect.shape_output is not None:
                 y = a.effect.shape_output(y, t, q, interval)
         return y
@@ -429,12 +438,23 @@ class ExtendedSimulation:
                 sensing.update(range(own.start, own.stop))
         return np.isin(self.free, list(sensing))
 
-    def _laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:
+    def laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:
         """Return each effect with its parameters, in the order in which they are applied."""
         laws: list[tuple[Attached, np.ndarray]] = []
         for a, own in zip(self.attached, self.effect_slices, strict=True):
             laws.insert(0 if a.upstream else len(laws), (a, values[own]))
         return laws
+
+    @cached_property
+    def shaping(self) -> np.ndarray:
+        """Indices of the ``values`` that change the input, or its action."""
+        own, first = self.simulation, self._laws_from - 3 - len(self.simulation.inputs)
+        parts = [range(first, first + len(own.inputs))]
+        parts += [range(len(own.parameters))] if own.action is not None else []
+        for a, law in zip(self.attached, self.effect_slices, strict=True):
+            if a.effect.shape_input is not None or a.effect.scale_drive is not None:
+                parts.append(range(law.start, law.stop))
+        return np.concatenate([np.array(part, dtype=int) for part in parts])
 
     @cached_property
     def _drive(self) -> int | np.ndarray:
@@ -444,7 +464,7 @@ class ExtendedSimulation:
         return np.array(found) if len(own.inputs) > 1 else found[0]
 
     @cached_property
-    def _pushing(self) -> tuple[tuple[Attached, slice], ...]:
+    def pushing(self) -> tuple[tuple[Attached, slice], ...]:
         """Return the effects attached that are forces, and where in ``values`` they are."""
         pairs = zip(self.attached, self.effect_slices, strict=True)
         return tuple((a, own) for a, own in pairs if a.effect.force is not None)
