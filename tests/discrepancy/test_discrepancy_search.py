@@ -609,7 +609,7 @@ def test_what_an_effect_reduces_is_not_called_noise():
 def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     """Other classes are beaten, so that only the same class is compared with the name."""
     evidence, candidate = graded()
-    evidence = replace(evidence, rules=Rules())
+    evidence = replace(evidence, rules=Rules(alike=1.0))
     right = candidate(1.001, "dead_zone", "input_saturation")
     akin = candidate(1.002, "dead_zone", "output_saturation")
     beaten = candidate(4.0, "dead_zone", "sensor_lag")
@@ -617,6 +617,26 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     weighed = Presence((right, akin, beaten), weights)
     found = decide(evidence, right, [right, akin, beaten], [], weighed)
     assert (found.status, found.answer) == (status, right)
+
+
+@pytest.mark.parametrize("weight", [0.95, 0.8])
+@pytest.mark.parametrize(
+    ("other", "left", "status"),
+    [
+        ("output_saturation", 1.015, "ambiguous"),
+        ("output_saturation", 1.05, "named"),
+        ("sensor_nonlinearity", 1.015, "named"),
+    ],
+)
+def test_what_leaves_the_same_as_one_of_its_family_is_not_named(other, left, status, weight):
+    """By its weight or by its errors the first one is ahead; the residuals do not tell them."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules(rival_margin=1.0, negligible=0.0))
+    likelier, second = candidate(1.001, "input_saturation"), candidate(1.001 * left, other)
+    weighed = Presence((likelier, second), np.array([weight, 1.0 - weight]))
+    found = decide(evidence, likelier, [likelier, second], [likelier], weighed)
+    assert (found.status, found.answer) == (status, likelier)
+    assert found.rivals == ((second,) if status == "ambiguous" else ())
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,12 @@ class Rules(Section):
         " effects, its error",
         ge=1,
     )
+    alike: Number = key(
+        "factor by which the residuals of two laws of one family may differ where the record does"
+        " not tell which it is",
+        ge=1,
+        default=1.02,
+    )
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
         "residual up to which it counts as noise if nothing reduces it, and up to which a small"
