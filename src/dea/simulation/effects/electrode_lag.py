@@ -75,19 +75,23 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return lags of a few intervals, a growing capacity, a slower discharge, and drying.
+    """Return short lags, in a long record a longer one, and two equal lags that ring a little.
 
-    And a long lag of a small part, beside which the rest follows nearly at once.
+    And a growing capacity, a slower discharge, drying, and a long lag of a small part, beside which
+    the rest follows nearly at once.
     """
     dt, full, duration = scales.interval, scales.u_peak, scales.duration
-    laws = [(samples * dt, 0.1, 1.0, 0.0, 0.0) for samples in (2.0, 8.0, 30.0)]
-    laws += [(0.3 * dt, 0.1, 1.0, 2.0, 0.0)]
+    times = [2.0 * dt, 8.0 * dt, 30.0 * dt]
+    laws = [(time, 1.0, 0.02, 1.0, 0.0, 0.2, 0.0) for time in times]
+    times += [scales.slow] if scales.slow > times[-1] else []
+    laws += [(time, 0.1, 0.1, 1.0, 0.0, 0.0, 0.0) for time in times]
+    laws += [(0.3 * dt, 0.1, 0.1, 1.0, 2.0, 0.0, 0.0)]
     if not scales.bipolar:
-        laws += [(samples * dt, 0.1, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
-    laws += [(0.3 * dt, 0.1, 1.0, 0.0, 1.0), (scales.slow, 0.7, 1.0, 0.0, 0.0)]
+        laws += [(samples * dt, 0.1, 0.1, 3.0, 0.0, 0.0, 0.0) for samples in (4.0, 16.0)]
+    laws += [(0.3 * dt, 0.1, 0.1, 1.0, 0.0, 0.0, 1.0), (scales.slow, 0.1, 0.7, 1.0, 0.0, 0.0, 0.0)]
     return tuple(
-        (time, 0.1, near, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
-        for time, near, falling, growth, ageing in laws
+        (time, ratio, near, 0.0, falling, growth, full, ringing, 1.0, ageing, duration)
+        for time, ratio, near, falling, growth, ringing, ageing in laws
     )
 
 

@@ -91,16 +91,15 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return time constants of a few intervals, and a reading that quickens its own lag.
+    """Return short lags, in a long record a longer one, and a reading that quickens its lag.
 
     And a slow part, beside which the rest follows at once.
     """
     middle, half = scales.y_middle, 0.5 * scales.y_span
+    times = [samples * scales.interval for samples in (2.0, 8.0, 30.0)]
+    times += [scales.slow] if scales.slow > times[-1] else []
     return (
-        *(
-            (samples * scales.interval, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half)
-            for samples in (2.0, 8.0, 30.0)
-        ),
+        *((time, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half) for time in times),
         (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
         (scales.slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
     )
