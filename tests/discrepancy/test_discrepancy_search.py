@@ -13,6 +13,7 @@ from dea.discrepancy.decision import (
     Status,
     best_extension,
     decide,
+    left_open,
     sure_alone,
     without_small_drift,
 )
@@ -609,7 +610,7 @@ def test_what_an_effect_reduces_is_not_called_noise():
 def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     """Other classes are beaten, so that only the same class is compared with the name."""
     evidence, candidate = graded()
-    evidence = replace(evidence, rules=Rules(alike=1.0))
+    evidence = replace(evidence, rules=Rules())
     right = candidate(1.001, "dead_zone", "input_saturation")
     akin = candidate(1.002, "dead_zone", "output_saturation")
     beaten = candidate(4.0, "dead_zone", "sensor_lag")
@@ -619,24 +620,46 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     assert (found.status, found.answer) == (status, right)
 
 
-@pytest.mark.parametrize("weight", [0.95, 0.8])
 @pytest.mark.parametrize(
-    ("other", "left", "status"),
+    ("named", "other", "left", "status"),
     [
-        ("output_saturation", 1.015, "ambiguous"),
-        ("output_saturation", 1.05, "named"),
-        ("sensor_nonlinearity", 1.015, "named"),
+        (("input_saturation",), ("output_saturation",), 1.015, "ambiguous"),
+        (("input_saturation",), ("output_saturation",), 0.95, "ambiguous"),
+        (("input_saturation",), ("output_saturation",), 1.05, "named"),
+        (("input_saturation",), ("sensor_nonlinearity",), 1.015, "named"),
+        (("dead_zone", "sensor_lag"), ("dead_zone", "electrode_lag"), 1.015, "named"),
     ],
 )
-def test_what_leaves_the_same_as_one_of_its_family_is_not_named(other, left, status, weight):
-    """By its weight or by its errors the first one is ahead; the residuals do not tell them."""
+def test_a_single_effect_is_not_named_where_one_of_its_class_fits_as_well(
+    named, other, left, status
+):
     evidence, candidate = graded()
-    evidence = replace(evidence, rules=Rules(rival_margin=1.0, negligible=0.0))
-    likelier, second = candidate(1.001, "input_saturation"), candidate(1.001 * left, other)
-    weighed = Presence((likelier, second), np.array([weight, 1.0 - weight]))
-    found = decide(evidence, likelier, [likelier, second], [likelier], weighed)
-    assert (found.status, found.answer) == (status, likelier)
+    surest, second = candidate(1.1, *named), candidate(1.1 * left, *other)
+    weighed = Presence((surest, second), np.array([0.99, 0.01]))
+    decision = Decision(Status.NAMED, surest)
+    found = left_open(decision, [surest, second], weighed, evidence.rules)
+    assert (found.status, found.answer) == (status, surest)
     assert found.rivals == ((second,) if status == "ambiguous" else ())
+
+
+def test_the_likeliest_of_effects_that_fit_alike_leads():
+    """One that was a rival already is told once, and one that was not finished does not count."""
+    evidence, candidate = graded()
+    first, second = candidate(1.1, "input_saturation"), candidate(1.11, "output_saturation")
+    third = replace(candidate(1.1, "output_saturation"), finished=False)
+    weighed = Presence((second, first), np.array([0.6, 0.4]))
+    decision = Decision(Status.NAMED, first, (second,))
+    found = left_open(decision, [first, third, second], weighed, evidence.rules)
+    assert (found.status, found.answer, found.rivals) == ("ambiguous", second, (first,))
+    assert left_open(decision, [first, third], weighed, evidence.rules) is decision
+
+
+def test_a_part_of_an_answer_stays_named():
+    evidence, candidate = graded()
+    first, second = candidate(1.1, "input_saturation"), candidate(1.1, "output_saturation")
+    weighed = Presence((first, second), np.array([0.5, 0.5]))
+    part = Decision(Status.NAMED, first, reason=Reason.REMAINS, whole=False)
+    assert left_open(part, [first, second], weighed, evidence.rules) is part
 
 
 @pytest.mark.parametrize(

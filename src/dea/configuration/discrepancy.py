@@ -108,8 +108,8 @@ class Rules(Section):
         ge=1,
     )
     alike: Number = key(
-        "factor by which the residuals of two laws of one family may differ where the record does"
-        " not tell which it is",
+        "factor by which the residual of another effect of a class may be larger than that of the"
+        " best one and still leave open which of them it is",
         ge=1,
         default=1.02,
     )

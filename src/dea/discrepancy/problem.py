@@ -166,7 +166,7 @@ class Problem(Samples):
     ) -> np.ndarray:
         """Return the output before gain, zero and effects of the sensor, shape (n,).
 
-        The input ``shaped`` for other values is used as far as it is the same for these.
+        Inputs ``shaped`` for other values are used where these shape them alike.
         """
         result: np.ndarray = extended.run(values, self.u, self.interval, shaped)[0]
         return result

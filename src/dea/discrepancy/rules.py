@@ -45,8 +45,8 @@ class Rules:
         difference is significant. A rival to which the evidence leaves hardly any weight is beaten
         by the factor alone, and a pair of effects if its error is larger by it.
     alike
-        Factor by which the residuals of two laws of one family may differ where the record does
-        not tell which it is.
+        Factor by which the residual of another effect of a class may be larger than that of the
+        best one and still leave open which of them it is.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.

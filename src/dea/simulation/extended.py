@@ -108,7 +108,7 @@ class ExtendedSimulation:
     @cached_property
     def alone(self) -> "ExtendedSimulation":
         """The same simulation of one record."""
-        if self.records == 1:
+        if not self.lengths:
             return self
         attached = tuple(replace(a, records=1) for a in self.attached)
         return replace(self, attached=attached, lengths=())
@@ -339,7 +339,8 @@ class ExtendedSimulation:
         interval
             In s.
         shaped
-            That of other values, which is used as far as it is the same for these.
+            Inputs of this simulation and record as :meth:`shaped` returned them for other values.
+            Each is used if these values shape it alike.
         """
         lead = self.lead(interval)
         parts = [motion[:, lead:] for motion in self.motions(values, u, interval, shaped)]
@@ -388,10 +389,10 @@ class ExtendedSimulation:
         interval: float,
         known: Sequence[ShapedInput] | None = None,
     ) -> list[ShapedInput]:
-        """Return the input over each record as the laws shape it, or that ``known`` if the same."""
+        """Return the input of each record as the laws shape it: one ``known``, where it serves."""
         made = []
         for number, (samples, own) in enumerate(self.each(values)):
-            if known is not None and known[number].holds(self.alone, own):
+            if known is not None and known[number].serves(self.alone, own):
                 made.append(known[number])
             else:
                 made.append(ShapedInput.of(self.alone, own, u[samples], interval))
@@ -447,7 +448,7 @@ class ExtendedSimulation:
 
     @cached_property
     def shaping(self) -> np.ndarray:
-        """Indices of the ``values`` that change the input, or its action."""
+        """Indices of the ``values`` that change the input, its action, or the drive."""
         own, first = self.simulation, self._laws_from - 3 - len(self.simulation.inputs)
         parts = [range(first, first + len(own.inputs))]
         parts += [range(len(own.parameters))] if own.action is not None else []

@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 class ShapedInput:
     """The input and the drive over one record, as the laws on their way shape them.
 
-    Most parameters do not change them, and to shape them takes as long as some of the integration:
-    runs that differ in others can share one.
+    Most parameters do not change them, and shaping takes up to a third of a run: runs that differ
+    in others can share one.
 
     Parameters
     ----------
+    course
+        What the integrator takes of them.
     decisive
         The values of all parameters that it depends on.
     table
@@ -56,13 +58,13 @@ class ShapedInput:
         steps = at_steps(v, substeps, extended.input_interpolation)
         table = None
         if own.action:
-            p = values[: len(own.parameters)]
+            p = values[: len(own.parameters)].copy()
             steps = own.action.law(steps, at_steps(drive_scale, substeps, "zero"), p)
             table = own.action.table(p) if own.action.table else None
         straight = int(extended.input_interpolation != "zero")
         course = Course(v, steps, straight, drive_scale, interval, substeps, lead)
         return cls(course, values[extended.shaping], table)
 
-    def holds(self, extended: "ExtendedSimulation", values: np.ndarray) -> bool:
-        """Return whether the same simulation with other ``values`` has the same."""
+    def serves(self, extended: "ExtendedSimulation", values: np.ndarray) -> bool:
+        """Return whether it is also that of other ``values`` of the same simulation."""
         return np.array_equal(values[extended.shaping], self.decisive)

@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.decision.adequacy import borne_out, explained, rest_of, share_of
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
-from dea.discrepancy.decision.rivals import rivals_of, same_class, untold
+from dea.discrepancy.decision.rivals import rivals_of, same_class
 from dea.discrepancy.evidence.bootstrap import beaten
 from dea.discrepancy.evidence.colour import (
     follows_no_force,
@@ -38,8 +38,6 @@ def decide(
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     surest = _surest(weighed, chosen, rules.certain)
     if surest is not None and _stands_alone(evidence, surest, pool, weighed):
-        if alike := untold(evidence, surest, pool):
-            return _ambiguous((surest, *alike), leading=surest)
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
     if chosen is None:
         return _nothing_proven(evidence)
@@ -72,12 +70,10 @@ def decide(
     if not akin and unlikely and likeliest is not None and same_class(chosen, likeliest):
         # Which effect of a family it is, its presence says.
         akin = (likeliest,)
-    alike = untold(evidence, chosen, pool)
     sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
-    if not alike and (sure or not akin):
+    if sure or not akin:
         return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
-    told = {each.effects for each in akin}
-    several = (chosen, *akin, *(each for each in alike if each.effects not in told))
+    several = (chosen, *akin)
     return _ambiguous(several, leading=max(several, key=weighed.least_of))
 
 

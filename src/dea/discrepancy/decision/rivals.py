@@ -23,22 +23,6 @@ def same_class(first: Candidate, second: Candidate) -> bool:
     return len(own) == len(other) and all(any(a.family is b.family for b in other) for a in own)
 
 
-def untold(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates of the same class that leave as much as the chosen one, best first.
-
-    The evidence may still be for one of them, but then by the number and the priors of the
-    parameters that shape their laws, which are no more than plausible.
-    """
-    largest = evidence.rules.alike * chosen.rmse
-    found: dict[frozenset[str], Candidate] = {}
-    for other in pool:
-        whole = other.finished and len(other.names) == len(chosen.names)
-        differs = other.effects != chosen.effects and same_class(chosen, other)
-        if whole and differs and other.rmse <= largest:
-            found.setdefault(other.effects, other)
-    return list(found.values())
-
-
 def rivals_of(
     evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate], akin: bool = False
 ) -> list[Candidate]:
