@@ -13,7 +13,6 @@ from dea.discrepancy.decision import (
     Status,
     best_extension,
     decide,
-    left_open,
     sure_alone,
     without_small_drift,
 )
@@ -618,48 +617,6 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     weighed = Presence((right, akin, beaten), weights)
     found = decide(evidence, right, [right, akin, beaten], [], weighed)
     assert (found.status, found.answer) == (status, right)
-
-
-@pytest.mark.parametrize(
-    ("named", "other", "left", "status"),
-    [
-        (("input_saturation",), ("output_saturation",), 1.015, "ambiguous"),
-        (("input_saturation",), ("output_saturation",), 0.95, "ambiguous"),
-        (("input_saturation",), ("output_saturation",), 1.05, "named"),
-        (("input_saturation",), ("sensor_nonlinearity",), 1.015, "named"),
-        (("dead_zone", "sensor_lag"), ("dead_zone", "electrode_lag"), 1.015, "named"),
-    ],
-)
-def test_a_single_effect_is_not_named_where_one_of_its_class_fits_as_well(
-    named, other, left, status
-):
-    evidence, candidate = graded()
-    surest, second = candidate(1.1, *named), candidate(1.1 * left, *other)
-    weighed = Presence((surest, second), np.array([0.99, 0.01]))
-    decision = Decision(Status.NAMED, surest)
-    found = left_open(decision, [surest, second], weighed, evidence.rules)
-    assert (found.status, found.answer) == (status, surest)
-    assert found.rivals == ((second,) if status == "ambiguous" else ())
-
-
-def test_the_likeliest_of_effects_that_fit_alike_leads():
-    """One that was a rival already is told once, and one that was not finished does not count."""
-    evidence, candidate = graded()
-    first, second = candidate(1.1, "input_saturation"), candidate(1.11, "output_saturation")
-    third = replace(candidate(1.1, "output_saturation"), finished=False)
-    weighed = Presence((second, first), np.array([0.6, 0.4]))
-    decision = Decision(Status.NAMED, first, (second,))
-    found = left_open(decision, [first, third, second], weighed, evidence.rules)
-    assert (found.status, found.answer, found.rivals) == ("ambiguous", second, (first,))
-    assert left_open(decision, [first, third], weighed, evidence.rules) is decision
-
-
-def test_a_part_of_an_answer_stays_named():
-    evidence, candidate = graded()
-    first, second = candidate(1.1, "input_saturation"), candidate(1.1, "output_saturation")
-    weighed = Presence((first, second), np.array([0.5, 0.5]))
-    part = Decision(Status.NAMED, first, reason=Reason.REMAINS, whole=False)
-    assert left_open(part, [first, second], weighed, evidence.rules) is part
 
 
 @pytest.mark.parametrize(

@@ -107,12 +107,6 @@ class Rules(Section):
         " effects, its error",
         ge=1,
     )
-    alike: Number = key(
-        "factor by which the residual of another effect of a class may be larger than that of the"
-        " best one and still leave open which of them it is",
-        ge=1,
-        default=1.02,
-    )
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
         "residual up to which it counts as noise if nothing reduces it, and up to which a small"

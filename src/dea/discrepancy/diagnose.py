@@ -11,7 +11,6 @@ from dea.discrepancy.decision import (
     best_extension,
     confirmed,
     decide,
-    left_open,
     proven_alone,
     share_of,
     sure_alone,
@@ -157,7 +156,6 @@ def diagnose(
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
-    decided = left_open(decided, pool, weighed, rules)
     tell("the answer on samples not used so far")
     final = with_events_dated(problem, decided.answer.fit) if decided.answer else nominal
     left_out = leave_one_out(problem, nominal, final) if decided.answer and len(records) > 1 else {}

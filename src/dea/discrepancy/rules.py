@@ -44,9 +44,6 @@ class Rules:
         A rival of another class is beaten if its misfit is larger by this factor, and the
         difference is significant. A rival to which the evidence leaves hardly any weight is beaten
         by the factor alone, and a pair of effects if its error is larger by it.
-    alike
-        Factor by which the residual of another effect of a class may be larger than that of the
-        best one and still leave open which of them it is.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.
@@ -93,7 +90,6 @@ class Rules:
     further: float = 0.03
     second: float = 0.65
     rival_margin: float = 1.05
-    alike: float = 1.02
     predictable: float = 0.80
     noise_like: float = 1.5
     negligible: float = 0.05

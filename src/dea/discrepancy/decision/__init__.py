@@ -4,7 +4,6 @@ from dea.discrepancy.decision.adequacy import share_of
 from dea.discrepancy.decision.confirmation import confirmed
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.extension import best_extension, proven_alone, sure_alone
-from dea.discrepancy.decision.indistinct import left_open
 from dea.discrepancy.decision.naming import decide
 from dea.discrepancy.decision.rivals import same_class
 from dea.discrepancy.decision.small_drift import without_small_drift
@@ -16,7 +15,6 @@ __all__ = [
     "best_extension",
     "confirmed",
     "decide",
-    "left_open",
     "proven_alone",
     "same_class",
     "share_of",
