@@ -1236,3 +1236,13 @@ def test_within_its_gap_backlash_shows_no_motion_and_beyond_it_all():
         read = law(y, np.zeros(y.size), values("backlash", gap=0.3, place=place), DT)
         up = [max(begun, each) for each in (0.85, 0.95, 1.1)]
         np.testing.assert_allclose(read, [*up, 1.45, 1.45, 1.45, 1.35, 1.05, 1.05, 1.15])
+
+
+@pytest.mark.parametrize("samples", [100, 160, 600, 5000])
+@pytest.mark.parametrize("name", ["electrode_lag", "sensor_lag"])
+def test_lags_start_apart_and_the_longest_where_a_record_holds_many_of_it(name, samples):
+    scales = replace(SCALES, duration=samples * SCALES.interval)
+    starts = catalogue()[name].starts(scales)
+    assert len(set(starts)) == len(starts)
+    longest = max(law[0] for law in starts)
+    assert longest == pytest.approx((100.0 if samples > 600 else 30.0) * SCALES.interval)
