@@ -441,10 +441,15 @@ class ExtendedSimulation:
 
     def laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:
         """Return each effect with its parameters, in the order in which they are applied."""
-        laws: list[tuple[Attached, np.ndarray]] = []
-        for a, own in zip(self.attached, self.effect_slices, strict=True):
-            laws.insert(0 if a.upstream else len(laws), (a, values[own]))
-        return laws
+        return [(self.attached[i], values[self.effect_slices[i]]) for i in self.order]
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """The numbers of the effects attached, in the order in which they are applied."""
+        order: list[int] = []
+        for index, each in enumerate(self.attached):
+            order.insert(0 if each.upstream else len(order), index)
+        return tuple(order)
 
     @cached_property
     def shaping(self) -> np.ndarray:

@@ -71,7 +71,7 @@ def law_courses(
     y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
     y = y + known[OUTPUT_OFFSET]
     courses: list[LawCourse | None] = [None] * len(extended.attached)
-    for index in _order(extended.attached):
+    for index in extended.order:
         place = extended.attached[index].place
         effect, q = extended.attached[index].effect, values[extended.effect_slices[index]]
         if effect.shape_input is not None:
@@ -112,14 +112,6 @@ def _scaled(drive: str, time: np.ndarray, factor: np.ndarray) -> LawCourse:
     """Return the course of a factor (n,) on a drive."""
     acting = Axis(factor, f"factor on {drive.replace('_', ' ')}", "1")
     return LawCourse(Axis(time, "time", "s"), acting, np.ones(time.size))
-
-
-def _order(attached: Sequence[Attached]) -> list[int]:
-    """Return the effects in the order in which they are applied."""
-    order: list[int] = []
-    for index, each in enumerate(attached):
-        order.insert(0 if each.upstream else len(order), index)
-    return order
 
 
 def _pushed(
