@@ -16,6 +16,7 @@ from dea.discrepancy.decision import (
     sure_alone,
     without_small_drift,
 )
+from dea.discrepancy.evidence.colour import coloured_level
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
@@ -815,6 +816,87 @@ def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, weight, reason):
     found = decide(evidence, pair, pool, alone, weighed)
     assert found.reason == reason
     assert found.answer is (pair if weight == 1.0 else alone[0])
+
+
+def in_noise(size, *, follows=0.0):
+    """Return coloured noise of so many floors beside white noise of one, (1500,).
+
+    It ``follows`` the input of the record by so many floors.
+    """
+    problem, _ = hidden("dead_zone")
+    rng = np.random.default_rng(12)
+    slow = lfilter([1.0], [1.0, -0.95], rng.standard_normal(1500))
+    white = rng.standard_normal(1500)
+    u = problem.u / problem.u.std()
+    return NOISE * (white + size * slow / slow.std() + follows * u)
+
+
+@pytest.mark.parametrize(
+    ("residual", "before", "finished", "level"),
+    [
+        (in_noise(2.5), 9.0, True, 2.5),
+        (in_noise(0.3), 9.0, True, 0.0),
+        (in_noise(2.5), 5.0, True, 0.0),
+        (in_noise(2.5, follows=4.0), 12.0, True, 0.0),
+        (in_noise(2.5), 9.0, False, 0.0),
+    ],
+)
+def test_the_level_of_coloured_noise_is_what_the_best_candidate_leaves(
+    residual, before, finished, level
+):
+    """It is none where that is white, most of the gap, follows the input, or is not finished."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules(), nominal=candidate(before).fit)
+    best = candidate(1.0, "dead_zone")
+    rmse = evidence.problem.seen_rmse(residual)
+    best = replace(best, fit=replace(best.fit, residual=residual), rmse=rmse, finished=finished)
+    assert coloured_level(evidence, [best]) == pytest.approx(level * NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize(("coloured", "status"), [(0.0, "unknown"), (1.8, "named")])
+def test_beside_coloured_noise_the_gap_counts_above_it(coloured, status):
+    """The dead zone removes all of what exceeds the noise, but half of what exceeds a white one."""
+    evidence, candidate = graded()
+    level = float(np.hypot(1.0, 1.8))
+    chosen = candidate(level, "dead_zone")
+    residual = in_noise(1.8)
+    chosen = replace(chosen, fit=replace(chosen.fit, residual=residual))
+    evidence = replace(
+        evidence,
+        rules=Rules(),
+        nominal=candidate(3.3).fit,
+        coloured=coloured * NOISE,
+    )
+    weighed = Presence((chosen,), np.array([1.0]))
+    found = decide(evidence, chosen, [chosen], [chosen], weighed)
+    assert found.status == status
+    assert found.reason is (Reason.COLOURED if status == "named" else Reason.UNEXPLAINED)
+
+
+@pytest.mark.parametrize(
+    ("residual", "offered"),
+    [
+        (in_noise(2.5), {"baseline_drift"}),
+        (in_noise(2.5, follows=2.0), {"baseline_drift", "dead_zone"}),
+    ],
+)
+def test_beside_coloured_noise_courses_in_time_alone_are_offered(residual, offered):
+    evidence, candidate = graded()
+    first = candidate(1.0, "sensor_lag")
+    first = replace(first, fit=replace(first.fit, residual=residual))
+    effects = [catalogue()[name] for name in ("baseline_drift", "dead_zone")]
+    searched = []
+
+    class Told(Search):
+        def _round(self, bases, effects):
+            searched.append({effect.name for effect in effects})
+            return Round(bases[0])
+
+    search = Told(
+        evidence.problem, [evidence.nominal], effects, Budget(), Rules(), 1, evidence.blocks
+    )
+    search._extended([first])
+    assert searched == [offered]
 
 
 @pytest.mark.parametrize("proven", [True, False])

@@ -66,9 +66,12 @@ def extension(*names):
     )
 
 
+NOISE_REMAINS = " What remains, 5 noise floors, looks like coloured noise."
+
+
 def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
-    white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
+    white=0.01, left=0.0, accuracy=0.0, coloured=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
     slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
     timing_deviation=0.05, weighed=(),
@@ -104,7 +107,8 @@ def found(
         split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart, slowest=slowest),
         above_white=gap,
         noise_floor=white,
-        floor=float(np.hypot(white, accuracy)),
+        floor=float(np.hypot(white, max(accuracy, coloured))),
+        stated_floor=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),
         share=share,
         presence=SimpleNamespace(
@@ -171,22 +175,24 @@ def test_two_names_are_spoken_of_as_two():
 
 
 @pytest.mark.parametrize(
-    ("after", "accuracy", "reason", "clause"),
+    ("after", "accuracy", "coloured", "reason", "clause"),
     [
-        (0.013, 0.0, None, ""),
-        (0.0131, 0.0, None, " Its law is too poor here: 1.3 noise floors remain."),
-        (0.05, 0.0, None, " Its law is too poor here: 5 noise floors remain."),
-        (0.05, 0.04, None, ""),  # which is said to be accurate enough
-        (0.05, 0.0, Reason.COLOURED, " What remains, 5 noise floors, looks like coloured noise."),
-        (0.012, 0.0, Reason.COLOURED, ""),
+        (0.013, 0.0, 0.0, None, ""),
+        (0.0131, 0.0, 0.0, None, " Its law is too poor here: 1.3 noise floors remain."),
+        (0.05, 0.0, 0.0, None, " Its law is too poor here: 5 noise floors remain."),
+        (0.05, 0.04, 0.0, None, ""),  # which is said to be accurate enough
+        (0.05, 0.0, 0.0, Reason.COLOURED, NOISE_REMAINS),
+        (0.05, 0.0, 0.05, Reason.COLOURED, NOISE_REMAINS),
+        (0.05, 0.05, 0.05, Reason.COLOURED, ""),
+        (0.05, 0.0, 0.02, None, " Its law is too poor here: 5 noise floors remain."),
+        (0.012, 0.0, 0.0, Reason.COLOURED, ""),
     ],
 )
 def test_a_law_is_too_poor_where_more_remains_than_of_a_complete_simulation(
-    after, accuracy, reason, clause
+    after, accuracy, coloured, reason, clause
 ):
-    text = sentence(
-        found(Status.NAMED, "dead_zone", block=(0.2, after), accuracy=accuracy, reason=reason)
-    )
+    levels = {"accuracy": accuracy, "coloured": coloured}
+    text = sentence(found(Status.NAMED, "dead_zone", block=(0.2, after), reason=reason, **levels))
     assert text == (
         f"{REMOVES}: the error on the certified samples falls from 0.2 to {after:.3g} mm, {NOISE}."
         f"{clause} Without it, {NEAR}."
@@ -269,14 +275,18 @@ def test_nothing_is_missing_for_a_reason(reason):
 
 
 @pytest.mark.parametrize(
-    ("error", "accuracy", "large"),
-    [(0.0151, 0.0, True), (0.0149, 0.0, False), (0.0151, 0.01, False)],
+    ("error", "accuracy", "coloured", "large"),
+    [
+        (0.0151, 0.0, 0.0, True),
+        (0.0151, 0.0, 0.011, True),
+        (0.0149, 0.0, 0.0, False),
+        (0.0151, 0.01, 0.0, False),
+    ],
 )
-def test_coloured_noise_that_is_large_is_told_first(error, accuracy, large):
+def test_coloured_noise_that_is_large_is_told_first(error, accuracy, coloured, large):
     """Then something may well be missing that looks like noise."""
-    text = sentence(
-        found(Status.NONE, reason=Reason.COLOURED, block=(error, error), accuracy=accuracy)
-    )
+    levels = {"accuracy": accuracy, "coloured": coloured}
+    text = sentence(found(Status.NONE, reason=Reason.COLOURED, block=(error, error), **levels))
     numbers = f"(error {error:.3g} mm, {NOISE})."
     if large:
         assert text == (

@@ -1,6 +1,7 @@
 """Name what a simulation is missing, from a record of the device it describes."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.certificate import Certificate, certify, certify_elsewhere
+from dea.discrepancy.evidence.colour import coloured_level
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import contributions, ladder
 from dea.discrepancy.evidence.evidence import Evidence
@@ -133,7 +135,8 @@ def diagnose(
 
     # Fit candidates, which also show the noise floor.
     starts = bases(problem, nominal, near, rng)
-    rounds = Search(problem, starts, offered, budget, rules, workers).rounds()
+    blocks = problem.blocks(max(problem.size / settings.blocks, parts.spacing))
+    rounds = Search(problem, starts, offered, budget, rules, workers, blocks).rounds()
     if not rounds[0].candidates:
         raise InputError(
             "none of the effects offered can attach to this simulation and stay stable",
@@ -146,8 +149,8 @@ def diagnose(
     singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
-    blocks = problem.blocks(max(problem.size / settings.blocks, parts.spacing))
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, white, own.accuracy, rules, rng)
+    evidence = replace(evidence, coloured=coloured_level(evidence, pool))
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))
     proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
@@ -190,6 +193,7 @@ def diagnose(
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         noise_floor=white,
+        coloured=evidence.coloured,
         presence=weighed,
         error=error,
         share=share_of(evidence, final) if decision.answer else None,

@@ -68,8 +68,8 @@ class Diagnosis:
         The simulation as it was, refitted, and with the effects that are named.
     pool
         The best candidate of every effect set tried, best first.
-    noise_floor
-        In the output's unit.
+    noise_floor, coloured
+        Levels of white noise and of the coloured noise beyond it, in the output's unit.
     presence, error
         How sure it is that each effect is part of the answer, and what the best answer leaves.
     final, spread
@@ -101,6 +101,7 @@ class Diagnosis:
     confusion: Confusion
     certificate: Certificate
     noise_floor: float
+    coloured: float
     presence: Presence
     error: ModelError
     share: Share | None
@@ -124,7 +125,16 @@ class Diagnosis:
 
     @property
     def floor(self) -> float:
-        """Residual that remains of a complete simulation: noise and stated accuracy."""
+        """Residual that a complete simulation leaves: white noise, and what goes beyond it.
+
+        That is coloured noise, or the stated accuracy, whichever is larger.
+        """
+        accuracy = self.nominal.extended.simulation.accuracy
+        return float(np.hypot(self.noise_floor, max(accuracy, self.coloured)))
+
+    @property
+    def stated_floor(self) -> float:
+        """White noise and stated accuracy, without coloured noise."""
         return float(np.hypot(self.noise_floor, self.nominal.extended.simulation.accuracy))
 
     @property

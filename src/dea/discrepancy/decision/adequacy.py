@@ -33,8 +33,10 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
 
 def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
     """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
-    beyond = chosen.rmse > evidence.rules.clean * evidence.floor
-    noise = beyond and leaves_noise(evidence, chosen, weighed)
+    clean = evidence.rules.clean
+    if chosen.rmse <= clean * evidence.stated_floor:
+        return None
+    noise = chosen.rmse <= clean * evidence.floor or leaves_noise(evidence, chosen, weighed)
     return Reason.COLOURED if noise else None
 
 

@@ -186,9 +186,9 @@ def _nothing_proven(evidence: Evidence) -> Decision:
     """
     rules, problem, alone = evidence.rules, evidence.problem, evidence.nominal
     unpredictable = residual_model(problem, alone.residual).ratio > 1.0 - rules.margin
-    if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
+    if unpredictable and evidence.nominal_error <= rules.clean * evidence.stated_floor:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
-    if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
+    if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.stated_floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
     coloured = not beyond_priors(alone) and is_coloured_noise(
         problem, alone.residual, evidence.blocks

@@ -6,12 +6,15 @@ import numpy as np
 from scipy.stats import chi2, kurtosis
 
 from dea.autoregression import fit_autoregression, innovations
+from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.null import long_blocks, long_parts
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.rules import misfit
+from dea.discrepancy.search.candidates import Candidate
 from dea.inputs import by_input
 from dea.missing import runs
 
@@ -74,6 +77,24 @@ def leaves_coloured_noise(
     return is_coloured_noise(problem, fitted.residual, blocks, most) and follows_no_force(
         problem, fitted, most
     )
+
+
+def coloured_level(evidence: Evidence, pool: Sequence[Candidate]) -> float:
+    """Return the level of the coloured noise beyond the white one, in the output's unit.
+
+    It is what the best finished candidate of a ``pool``, best first, leaves: 0 where that is white,
+    not known to be noise, or more than ``rules.part`` of what the simulation alone leaves.
+    """
+    white, rules = evidence.noise_floor, evidence.rules
+    best = next((c for c in pool if c.finished), None)
+    if best is None or best.rmse <= rules.clean * white:
+        return 0.0
+    if best.rmse > rules.part * evidence.nominal_error:
+        return 0.0
+    # Several laws leave little of what they do not explain to be seen.
+    most = PREDICTED / len(best.names)
+    noise = leaves_coloured_noise(evidence.problem, best.fit, evidence.blocks, most)
+    return misfit(best.rmse, white) if noise else 0.0
 
 
 def follows_no_force(problem: Problem, fitted: Fit, most: float = PREDICTED) -> bool:

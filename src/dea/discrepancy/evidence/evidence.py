@@ -28,6 +28,8 @@ class Evidence:
         Level of the white noise, down to which rivals are told apart.
     accuracy
         Stated accuracy of the simulation.
+    coloured
+        Level of the coloured noise beyond the white one, 0 where the best candidate leaves none.
     rng
         Draws the blocks.
     """
@@ -40,6 +42,7 @@ class Evidence:
     accuracy: float
     rules: Rules
     rng: np.random.Generator
+    coloured: float = 0.0
 
     @cached_property
     def nominal_error(self) -> float:
@@ -48,5 +51,13 @@ class Evidence:
 
     @property
     def floor(self) -> float:
-        """Residual that remains of a complete simulation: noise and stated accuracy."""
+        """Residual that a complete simulation leaves: white noise, and what goes beyond it.
+
+        That is coloured noise, or the stated accuracy, whichever is larger.
+        """
+        return float(np.hypot(self.noise_floor, max(self.accuracy, self.coloured)))
+
+    @property
+    def stated_floor(self) -> float:
+        """White noise and stated accuracy, without coloured noise."""
         return float(np.hypot(self.noise_floor, self.accuracy))

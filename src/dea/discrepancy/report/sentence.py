@@ -76,7 +76,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     place = f"near the simulation's priors {where_sentence(found.where.before)}"
     noise = f"noise floor {noise_floor:.3g} {unit}"
     if decision.status is Status.NONE:
-        most = found.rules.noise_like * found.floor
+        most = found.rules.noise_like * found.stated_floor
         if decision.reason is Reason.COLOURED and block.before > most:
             return (
                 f"Nothing is named, but {block.before / noise_floor:.2g} noise floors remain: "
@@ -199,11 +199,12 @@ def _nearest(found: "Diagnosis") -> str:
 def _form(found: "Diagnosis") -> str:
     """Say that the law of what is named is too poor, where its certified error shows it."""
     after = found.certificate.block.after
+    left = f"{after / found.noise_floor:.2g} noise floors"
+    coloured = found.decision.reason is Reason.COLOURED
+    if coloured and after > found.rules.poor * found.stated_floor:
+        return f" What remains, {left}, looks like coloured noise."
     if after <= found.rules.poor * found.floor:
         return ""
-    left = f"{after / found.noise_floor:.2g} noise floors"
-    if found.decision.reason is Reason.COLOURED:
-        return f" What remains, {left}, looks like coloured noise."
     one = len(found.extended.extended.attached) == 1
     laws = "Its law is" if one else "Their laws are"
     return f" {laws} too poor here: {left} remain."

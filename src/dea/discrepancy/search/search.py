@@ -14,6 +14,7 @@ from itertools import islice
 
 import numpy as np
 
+from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
@@ -32,13 +33,17 @@ from dea.simulation import Effect, Port
 
 # Leading candidates that are fitted once more with their laws' shapes from the prior.
 _SHAPED_ANEW = 2
+# Part of a residual that may be predicted where it is taken for coloured noise: a second effect
+# may hide in more.
+_UNSEEN = PREDICTED / 2
 
 
 @dataclass(frozen=True)
 class Search:
     """What is offered to a simulation, and how much is spent on it.
 
-    ``nominals`` are fits of the simulation to start from, the one to beat first.
+    ``nominals`` are fits of the simulation to start from, the one to beat first. In ``blocks`` of
+    the record coloured noise shows; without any, none is looked for.
     """
 
     problem: Problem
@@ -47,6 +52,7 @@ class Search:
     budget: Budget
     rules: Rules
     workers: int = 1
+    blocks: Sequence[slice] = ()
 
     def rounds(self) -> list[Round]:
         """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
@@ -69,7 +75,17 @@ class Search:
         return extend_by_each(self.problem, bases, effects, self.budget, self.workers)
 
     def _extended(self, candidates: Sequence[Candidate]) -> list[Round]:
-        return [self._round([c.fit], self.offered) for c in candidates]
+        return [self._round([c.fit], self._offered_beside(c)) for c in candidates]
+
+    def _offered_beside(self, candidate: Candidate) -> Sequence[Effect]:
+        """Return the effects that may be missing beside a candidate.
+
+        Where it leaves coloured noise, which follows neither the input nor the motion, these are
+        the ones that depend on time.
+        """
+        if leaves_coloured_noise(self.problem, candidate.fit, self.blocks, _UNSEEN):
+            return [effect for effect in self.offered if not effect.transferable]
+        return self.offered
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
         return finished_of(rounds)[: self.budget.beam]
