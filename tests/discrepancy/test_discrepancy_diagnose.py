@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import TransferFunction, lfilter, lsim
 from small_search import SEARCH
 from synthetic import record
 
@@ -53,6 +54,30 @@ def test_a_device_of_which_no_mode_decays_gets_a_verdict(tmp_path):
     made = Record.of(inflow, level, 50.0, units=("V", "mm"))
     settings = Settings(effects=("sensor_lag", "gain_drift"), budget=SEARCH)
     assert diagnose(made, tank, settings=settings).verdict.status == "none"
+
+
+def test_an_effect_is_named_whose_gap_is_half_of_coloured_noise():
+    """A dead zone of 0.2 V before a resonator; of the white level the gap leaves more than half."""
+    spring = load_simulation("mass_spring_damper")
+    natural, damping, _ = (each.nominal for each in spring.parameters)
+    rng = np.random.default_rng(4)
+    wandering = [lfilter([1.0], [1.0, -0.95], rng.standard_normal(2000)) for _ in range(2)]
+    u, slow = (each / each.std() for each in wandering)
+    driven = np.sign(u) * np.maximum(np.abs(u) - 0.2, 0.0)
+    rate = 2.0 * np.pi * natural
+    resonator = TransferFunction([rate**2], [1.0, 2.0 * damping * rate, rate**2])
+    fine = np.repeat(driven, 8)
+    _, y, _ = lsim(resonator, fine, np.arange(fine.size) / 400.0, interp=False)
+    noise = 0.03 * (rng.standard_normal(u.size) + 2.5 * slow)
+    made = Record.of(u, y[::8] + noise, 50.0, units=("V", "V"))
+    settings = Settings(effects=("dead_zone", "sensor_lag"), budget=SEARCH)
+    found = diagnose(made, spring, settings=settings)
+    assert (found.verdict.status, found.verdict.names) == ("named", ("dead_zone",))
+    assert found.verdict.coloured_level == pytest.approx(2.5 * 0.03, rel=0.1)
+    assert float(certificate_dataset(found)["coloured_level"]) == found.verdict.coloured_level
+    assert found.floor == pytest.approx(np.hypot(found.noise_floor, found.coloured_level))
+    assert found.stated_floor == pytest.approx(np.hypot(found.noise_floor, spring.accuracy))
+    assert "which counts as noise" in found.verdict.sentence
 
 
 @pytest.mark.slow

@@ -832,58 +832,81 @@ def in_noise(size, *, follows=0.0):
 
 
 @pytest.mark.parametrize(
-    ("residual", "before", "finished", "level"),
+    ("residual", "before", "names", "level"),
     [
-        (in_noise(2.5), 9.0, True, 2.5),
-        (in_noise(0.3), 9.0, True, 0.0),
-        (in_noise(2.5), 5.0, True, 0.0),
-        (in_noise(2.5, follows=4.0), 12.0, True, 0.0),
-        (in_noise(2.5), 9.0, False, 0.0),
+        (in_noise(2.5), 9.0, ("dead_zone",), 2.5),
+        (in_noise(2.5), 4.0, ("dead_zone",), 2.5),
+        (in_noise(2.5), 3.4, ("dead_zone",), 0.0),
+        (in_noise(0.3), 9.0, ("dead_zone",), 0.0),
+        (in_noise(2.5, follows=1.5), 9.0, ("dead_zone",), 2.9),
+        (in_noise(2.5, follows=1.5), 9.0, ("dead_zone", "sensor_lag"), 0.0),
+        (in_noise(2.5, follows=4.0), 12.0, ("dead_zone",), 0.0),
     ],
 )
 def test_the_level_of_coloured_noise_is_what_the_best_candidate_leaves(
-    residual, before, finished, level
+    residual, before, names, level
 ):
-    """It is none where that is white, most of the gap, follows the input, or is not finished."""
+    """It is none where that is white, half of the energy, or follows the input."""
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules(), nominal=candidate(before).fit)
-    best = candidate(1.0, "dead_zone")
-    rmse = evidence.problem.seen_rmse(residual)
-    best = replace(best, fit=replace(best.fit, residual=residual), rmse=rmse, finished=finished)
-    assert coloured_level(evidence, [best]) == pytest.approx(level * NOISE, rel=0.1)
+    best = leaving(candidate, residual, *names)
+    screened = replace(candidate(1.0, "dead_zone"), finished=False)
+    assert coloured_level(evidence, []) == 0.0
+    assert coloured_level(evidence, [screened]) == 0.0
+    assert coloured_level(evidence, [screened, best]) == pytest.approx(level * NOISE, rel=0.1)
 
 
-@pytest.mark.parametrize(("coloured", "status"), [(0.0, "unknown"), (1.8, "named")])
-def test_beside_coloured_noise_the_gap_counts_above_it(coloured, status):
+def test_beyond_its_priors_a_simulation_has_no_level_of_coloured_noise():
+    evidence, candidate = graded()
+    best = leaving(candidate, in_noise(2.5), "dead_zone")
+    assert coloured_level(evidence, [best]) > 0.0
+    coordinates = best.fit.coordinates.copy()
+    coordinates[0] = 3.0
+    best = replace(best, fit=replace(best.fit, coordinates=coordinates))
+    assert coloured_level(evidence, [best]) == 0.0
+
+
+def leaving(candidate, residual, *names):
+    """Return a candidate that leaves a residual."""
+    made = candidate(1.0, *names)
+    rmse = float(np.sqrt(np.mean(residual**2)))
+    return replace(made, fit=replace(made.fit, residual=residual), rmse=rmse, error=rmse)
+
+
+@pytest.mark.parametrize(("counted", "status"), [(False, "unknown"), (True, "named")])
+def test_beside_coloured_noise_the_gap_counts_above_it(counted, status):
     """The dead zone removes all of what exceeds the noise, but half of what exceeds a white one."""
     evidence, candidate = graded()
-    level = float(np.hypot(1.0, 1.8))
-    chosen = candidate(level, "dead_zone")
-    residual = in_noise(1.8)
-    chosen = replace(chosen, fit=replace(chosen.fit, residual=residual))
-    evidence = replace(
-        evidence,
-        rules=Rules(),
-        nominal=candidate(3.3).fit,
-        coloured=coloured * NOISE,
-    )
+    chosen = leaving(candidate, in_noise(2.0), "dead_zone")
+    evidence = replace(evidence, rules=Rules(), nominal=candidate(3.6).fit)
+    level = coloured_level(evidence, [chosen])
+    assert level == pytest.approx(2.0 * NOISE, rel=0.1)
+    evidence = replace(evidence, coloured_level=level if counted else 0.0)
     weighed = Presence((chosen,), np.array([1.0]))
     found = decide(evidence, chosen, [chosen], [chosen], weighed)
     assert found.status == status
-    assert found.reason is (Reason.COLOURED if status == "named" else Reason.UNEXPLAINED)
+    assert found.reason is (Reason.COLOURED if counted else Reason.UNEXPLAINED)
+
+
+@pytest.mark.parametrize(("accuracy", "floor"), [(0.0, np.hypot(1.0, 2.0)), (3.0, np.hypot(1, 3))])
+def test_the_floor_holds_the_larger_of_accuracy_and_coloured_noise(accuracy, floor):
+    evidence, _ = graded()
+    evidence = replace(evidence, accuracy=accuracy * NOISE, coloured_level=2.0 * NOISE)
+    assert evidence.floor == pytest.approx(floor * NOISE)
+    assert evidence.stated_floor == pytest.approx(np.hypot(1.0, accuracy) * NOISE)
 
 
 @pytest.mark.parametrize(
-    ("residual", "offered"),
+    ("residual", "before", "offered"),
     [
-        (in_noise(2.5), {"baseline_drift"}),
-        (in_noise(2.5, follows=2.0), {"baseline_drift", "dead_zone"}),
+        (in_noise(2.5), 9.0, {"baseline_drift"}),
+        (in_noise(2.5), 3.4, {"baseline_drift", "dead_zone"}),
+        (in_noise(2.5, follows=2.0), 9.0, {"baseline_drift", "dead_zone"}),
     ],
 )
-def test_beside_coloured_noise_courses_in_time_alone_are_offered(residual, offered):
+def test_beside_coloured_noise_courses_in_time_alone_are_offered(residual, before, offered):
     evidence, candidate = graded()
-    first = candidate(1.0, "sensor_lag")
-    first = replace(first, fit=replace(first.fit, residual=residual))
+    first = leaving(candidate, residual, "sensor_lag")
     effects = [catalogue()[name] for name in ("baseline_drift", "dead_zone")]
     searched = []
 
@@ -892,9 +915,8 @@ def test_beside_coloured_noise_courses_in_time_alone_are_offered(residual, offer
             searched.append({effect.name for effect in effects})
             return Round(bases[0])
 
-    search = Told(
-        evidence.problem, [evidence.nominal], effects, Budget(), Rules(), 1, evidence.blocks
-    )
+    nominal = candidate(before).fit
+    search = Told(evidence.problem, [nominal], effects, Budget(), Rules(), 1, evidence.blocks)
     search._extended([first])
     assert searched == [offered]
 

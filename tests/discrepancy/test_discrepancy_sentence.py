@@ -109,6 +109,7 @@ def found(
         noise_floor=white,
         floor=float(np.hypot(white, max(accuracy, coloured))),
         stated_floor=float(np.hypot(white, accuracy)),
+        coloured_level=coloured,
         error=ModelError(white, left, left, 1.0),
         share=share,
         presence=SimpleNamespace(
@@ -641,6 +642,14 @@ def test_coloured_error_is_told_where_the_sentence_does_not_deny_it(left, accura
     )
     diagnosis = found(Status.NONE, reason=reason, left=left, accuracy=accuracy)
     assert remarks(diagnosis) == ((noise,) if told else ())
+
+
+def test_coloured_noise_that_counts_as_noise_is_told():
+    diagnosis = found(Status.NONE, reason=Reason.COLOURED, left=0.02, coloured=0.019)
+    assert remarks(diagnosis) == (
+        "The best explanation leaves 0.019 mm (RMS) of coloured noise beyond the white noise of "
+        "0.01 mm, which counts as noise.",
+    )
 
 
 def test_remarks_end_the_sentence():

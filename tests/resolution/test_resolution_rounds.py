@@ -130,10 +130,12 @@ def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_n
     nominal = Fit(extended, np.zeros(0), np.zeros(800), np.zeros((800, 0)), 0.0)
     diagnosis = SimpleNamespace(
         problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2, decimation=3),
-        nominal=nominal, noise_floor=0.1, floor=0.1,
+        nominal=nominal, noise_floor=0.1, floor=0.1, coloured_level=0.0,
         error=SimpleNamespace(white=0.1, left=0.05, memory=4.0), rules=Rules(),
     )  # fmt: skip
     error = _law_error(diagnosis)
+    diagnosis.coloured_level = 0.15
+    assert _law_error(diagnosis).seen.coloured == 0.15 > error.seen.coloured
     motion = error.motion
     assert error.apart == 3
     assert error.seen.memory >= 3 * 4.0

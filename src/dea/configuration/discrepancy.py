@@ -134,7 +134,8 @@ class Rules(Section):
     part: Share = key(
         "part of the held-out gap that a certain part must remove, by itself or in the best"
         " explanation that holds it, and an effect that the evidence alone names; also the part of"
-        " what the others leave that each of several effects must remove",
+        " what the others leave that each of several effects must remove, and the part of the"
+        " residual's energy that must be removed for coloured noise that is left to count as noise",
         default=0.5,
     )
     ahead: Share = key(

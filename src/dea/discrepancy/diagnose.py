@@ -150,7 +150,7 @@ def diagnose(
 
     # Collect evidence.
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, white, own.accuracy, rules, rng)
-    evidence = replace(evidence, coloured=coloured_level(evidence, pool))
+    evidence = replace(evidence, coloured_level=coloured_level(evidence, pool))
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))
     proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
@@ -193,7 +193,7 @@ def diagnose(
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         noise_floor=white,
-        coloured=evidence.coloured,
+        coloured_level=evidence.coloured_level,
         presence=weighed,
         error=error,
         share=share_of(evidence, final) if decision.answer else None,

@@ -68,7 +68,7 @@ class Diagnosis:
         The simulation as it was, refitted, and with the effects that are named.
     pool
         The best candidate of every effect set tried, best first.
-    noise_floor, coloured
+    noise_floor, coloured_level
         Levels of white noise and of the coloured noise beyond it, in the output's unit.
     presence, error
         How sure it is that each effect is part of the answer, and what the best answer leaves.
@@ -101,7 +101,7 @@ class Diagnosis:
     confusion: Confusion
     certificate: Certificate
     noise_floor: float
-    coloured: float
+    coloured_level: float
     presence: Presence
     error: ModelError
     share: Share | None
@@ -130,7 +130,7 @@ class Diagnosis:
         That is coloured noise, or the stated accuracy, whichever is larger.
         """
         accuracy = self.nominal.extended.simulation.accuracy
-        return float(np.hypot(self.noise_floor, max(accuracy, self.coloured)))
+        return float(np.hypot(self.noise_floor, max(accuracy, self.coloured_level)))
 
     @property
     def stated_floor(self) -> float:

@@ -17,7 +17,7 @@ class Rules:
     """When an effect is named.
 
     A *floor* is what a complete simulation leaves: the noise floor, and beside it the stated
-    accuracy; during the search the noise floor alone.
+    accuracy or the coloured level; during the search the noise floor alone.
 
     Parameters
     ----------
@@ -65,7 +65,8 @@ class Rules:
         Part of the held-out gap that a certain part must remove, at the lower end of its interval,
         by itself or with the others of the best explanation that holds it, and an effect that the
         evidence alone names, by its value; also the part of what the others leave that each of
-        several effects must remove to be named with them.
+        several effects must remove to be named with them, and the part of the residual's energy
+        that an explanation must remove for coloured noise that it leaves to count as noise.
     ahead
         Part by which the misfit with a certain set of effects must be lower than with any
         explanation without their family.
@@ -118,6 +119,10 @@ class Rules:
     def completes(self, error: float, before: float, floor: float) -> bool:
         """Return whether noise alone is left where there was more ``before``."""
         return error <= self.clean * floor and before > self.grow * floor
+
+    def removes_energy(self, error: float, before: float) -> bool:
+        """Return whether an error leaves no more energy than ``part`` allows of that ``before``."""
+        return error**2 <= (1.0 - self.part) * before**2
 
     def leaves(self, part: float, error: float, nominal_error: float, floor: float) -> bool:
         """Return whether an error leaves more than noise, and more than a ``part`` of the gap."""

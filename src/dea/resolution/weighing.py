@@ -194,7 +194,7 @@ def _error(found: Diagnosis) -> Error:
     """
     motion = _motion(found)
     left = min(found.error.left, found.rules.misfit * _unexplained(found))
-    left = max(left, found.nominal.extended.simulation.accuracy)
+    left = max(left, found.nominal.extended.simulation.accuracy, found.coloured_level)
     fastest = max(motion.size / motion.pace, 1.0) if motion.pace else 1.0
     slowest = max(found.error.memory, memory_of(found.nominal.residual), fastest)
     return Error(found.error.white, left, slowest, fastest)

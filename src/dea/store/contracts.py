@@ -392,6 +392,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "extended": _plain("time"),
             "role": _plain("time", units="1"),
             "noise_floor": _plain(),
+            "coloured_level": _plain(),
             "record_rmse_before": _plain("record"),
             "record_rmse_after": _plain("record"),
         },

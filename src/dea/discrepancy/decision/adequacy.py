@@ -13,14 +13,14 @@ from dea.discrepancy.search.candidates import Candidate
 
 def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
-    floor, rules = evidence.floor, evidence.rules
-    if chosen.rmse <= rules.clean * floor:
+    floor, white, rules = evidence.floor, evidence.stated_floor, evidence.rules
+    if chosen.rmse <= rules.clean * white:
         return True
     further = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
     if further and weighed.wider_than(chosen) >= rules.certain:
         return False
     # Several laws together fit almost any residual: what they leave must be noise.
-    if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
+    if len(chosen.names) > 1 and chosen.rmse > rules.grow * white:
         certain = weighed.least_of(chosen) >= rules.certain
         return certain and leaves_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
@@ -33,10 +33,8 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
 
 def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
     """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
-    clean = evidence.rules.clean
-    if chosen.rmse <= clean * evidence.stated_floor:
-        return None
-    noise = chosen.rmse <= clean * evidence.floor or leaves_noise(evidence, chosen, weighed)
+    beyond = chosen.rmse > evidence.rules.clean * evidence.stated_floor
+    noise = beyond and leaves_noise(evidence, chosen, weighed)
     return Reason.COLOURED if noise else None
 
 

@@ -30,7 +30,7 @@ def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -
     The gain of an effect that acts rarely, such as a limit that is seldom reached, varies so much
     between blocks that it is not proven by their resampling.
     """
-    rules, floor, before = evidence.rules, evidence.floor, evidence.nominal_error
+    rules, floor, before = evidence.rules, evidence.stated_floor, evidence.nominal_error
     sure = weighed.sure(rules.certain)
     singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
     complete = (c for c in singles if rules.completes(c.rmse, before, floor))
@@ -67,7 +67,7 @@ def best_extension(
         # ends of the record, or of blocks in which it bends.
         left = evidence.problem.seen_rmse(before.residual)
         in_time = not transferable(best.fit.extended)
-        complete = in_time and rules.completes(best.rmse, left, floor)
+        complete = in_time and rules.completes(best.rmse, left, evidence.stated_floor)
         if not complete:
             with_more, with_less = held_out.compared([best.fit, before])
             if with_more >= with_less:

@@ -55,7 +55,7 @@ def decide(
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
-    leaves_noise = chosen.rmse <= rules.clean * evidence.floor
+    leaves_noise = chosen.rmse <= rules.clean * evidence.stated_floor
     likeliest = next((c for c in weighed.candidates if c.effects != chosen.effects), None)
     if weighed.least_of(chosen) < (1.0 - rules.certain if leaves_noise else rules.likely):
         # The evidence is not for all of it, whatever is predicted on blocks left out.
@@ -172,7 +172,8 @@ def _stands_alone(
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
     before = evidence.nominal_error
-    complete = before > rules.grow * floor and not rules.leaves_room(surest.rmse, before, floor)
+    white = evidence.stated_floor
+    complete = before > rules.grow * white and not rules.leaves_room(surest.rmse, before, white)
     if complete and not of_readings:
         return borne_out(evidence, surest)
     return share_of(evidence, surest.fit).low >= rules.part

@@ -30,7 +30,7 @@ def certain_part(
     its families, and none may be a course in time, which follows whatever else is slow. A larger
     certain set is returned where it passes for its further effects.
     """
-    rules, floor = evidence.rules, evidence.floor
+    rules, floor = evidence.rules, evidence.stated_floor
     sure = weighed.sure(rules.certain)
     finished = [c for c in pool if c.finished]
     best = min((c.rmse for c in finished), default=0.0)

@@ -37,7 +37,7 @@ def without_small_drift(
 def _small(evidence: Evidence, fitted: Fit) -> bool:
     """Return whether a fit leaves little more than the noise floor in every record."""
     residual, seen = fitted.residual, evidence.problem.seen
-    most = evidence.rules.noise_like * evidence.floor
+    most = evidence.rules.noise_like * evidence.stated_floor
     return all(rmse(residual[own], seen[own]) <= most for own in fitted.records)
 
 

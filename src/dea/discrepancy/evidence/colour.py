@@ -11,7 +11,7 @@ from dea.discrepancy.evidence.null import long_blocks, long_parts
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, beyond_priors
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
@@ -83,13 +83,15 @@ def coloured_level(evidence: Evidence, pool: Sequence[Candidate]) -> float:
     """Return the level of the coloured noise beyond the white one, in the output's unit.
 
     It is what the best finished candidate of a ``pool``, best first, leaves: 0 where that is white,
-    not known to be noise, or more than ``rules.part`` of what the simulation alone leaves.
+    too much of the energy of the residual of the simulation alone, or not known to be noise, which
+    it is not where a parameter of the simulation is at the bound of its prior.
     """
     white, rules = evidence.noise_floor, evidence.rules
     best = next((c for c in pool if c.finished), None)
     if best is None or best.rmse <= rules.clean * white:
         return 0.0
-    if best.rmse > rules.part * evidence.nominal_error:
+    removed = rules.removes_energy(best.rmse, evidence.nominal_error)
+    if not removed or beyond_priors(best.fit):
         return 0.0
     # Several laws leave little of what they do not explain to be seen.
     most = PREDICTED / len(best.names)

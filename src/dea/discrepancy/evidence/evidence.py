@@ -28,7 +28,7 @@ class Evidence:
         Level of the white noise, down to which rivals are told apart.
     accuracy
         Stated accuracy of the simulation.
-    coloured
+    coloured_level
         Level of the coloured noise beyond the white one, 0 where the best candidate leaves none.
     rng
         Draws the blocks.
@@ -42,7 +42,7 @@ class Evidence:
     accuracy: float
     rules: Rules
     rng: np.random.Generator
-    coloured: float = 0.0
+    coloured_level: float = 0.0
 
     @cached_property
     def nominal_error(self) -> float:
@@ -55,7 +55,7 @@ class Evidence:
 
         That is coloured noise, or the stated accuracy, whichever is larger.
         """
-        return float(np.hypot(self.noise_floor, max(self.accuracy, self.coloured)))
+        return float(np.hypot(self.noise_floor, max(self.accuracy, self.coloured_level)))
 
     @property
     def stated_floor(self) -> float:

@@ -124,6 +124,9 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             },
         ),
         "noise_floor": variable((), diagnosis.noise_floor, unit, "noise floor"),
+        "coloured_level": variable(
+            (), diagnosis.coloured_level, unit, "coloured noise beyond the noise floor"
+        ),
     }
     if diagnosis.decision.answer:
         data |= _laws(diagnosis)

@@ -68,7 +68,7 @@ def _inexact(found: "Diagnosis") -> bool:
 
     What a law lacks then shows in other parameters, of which an offset in time is one.
     """
-    fitted, most = found.final, found.rules.clean * found.floor
+    fitted, most = found.final, found.rules.clean * found.stated_floor
     left = found.certificate.block.after, found.problem.seen_rmse(found.extended.residual)
     laws = [part.start for part in fitted.extended.effect_slices]
     of_law = fitted.extended.free >= min(laws, default=np.inf)
@@ -190,11 +190,15 @@ def _noise(found: "Diagnosis") -> str:
     if found.decision.status is Status.UNKNOWN and error.left > _SMALL * found.above_white:
         # What is missing would be counted as known.
         return ""
+    white = f"the white noise of {error.white:.2g} {unit}"
+    if found.coloured_level:
+        level = f"{found.coloured_level:.2g} {unit} (RMS) of coloured noise"
+        return f"The best explanation leaves {level} beyond {white}, which counts as noise."
     counted = "counts it as known error"
     if found.decision.status is Status.UNKNOWN:
         counted = "would count it as known error, though it may be what is missing"
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
-        f"the white noise of {error.white:.2g} {unit}; `Simulation(…, "
+        f"{white}; `Simulation(…, "
         f"accuracy={error.left:.2g})` {counted}."
     )

@@ -65,6 +65,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         share=asdict(found.share) if found.share else None,
         presence={"effects": found.presence.effects, "families": found.presence.families},
         model_error=asdict(found.error) | {"level": found.error.level},
+        coloured_level=found.coloured_level,
         remarks=notes,
         not_offered=found.not_offered,
     )

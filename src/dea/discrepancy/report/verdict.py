@@ -107,6 +107,8 @@ class Verdict:
 
     Parameters
     ----------
+    noise_floor, coloured_level
+        Level of the white noise, and of the coloured noise beyond it where there is any.
     whole
         Whether the named effects are all of the answer, or a certain part of it; ``None`` where no
         effect is named.
@@ -137,6 +139,7 @@ class Verdict:
     share: dict[str, float] | None = None
     presence: dict[str, dict[str, float]] = field(default_factory=dict)
     model_error: dict[str, float] = field(default_factory=dict)
+    coloured_level: float = 0.0
     remarks: tuple[str, ...] = ()
     not_offered: tuple[NotOffered, ...] = ()
 

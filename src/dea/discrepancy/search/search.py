@@ -33,9 +33,9 @@ from dea.simulation import Effect, Port
 
 # Leading candidates that are fitted once more with their laws' shapes from the prior.
 _SHAPED_ANEW = 2
-# Part of a residual that may be predicted where it is taken for coloured noise: a second effect
-# may hide in more.
-_UNSEEN = PREDICTED / 2
+# Part that may be predicted of what is taken for coloured noise beside one effect: in more, a
+# second one may hide.
+_BESIDE = PREDICTED / 2
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,12 @@ class Search:
     def _offered_beside(self, candidate: Candidate) -> Sequence[Effect]:
         """Return the effects that may be missing beside a candidate.
 
-        Where it leaves coloured noise, which follows neither the input nor the motion, these are
-        the ones that depend on time.
+        Where it explains most and leaves coloured noise, which follows neither the input nor the
+        motion, these are courses in time.
         """
-        if leaves_coloured_noise(self.problem, candidate.fit, self.blocks, _UNSEEN):
+        before = self.problem.seen_rmse(self.nominals[0].residual)
+        explains = self.rules.removes_energy(candidate.rmse, before)
+        if explains and leaves_coloured_noise(self.problem, candidate.fit, self.blocks, _BESIDE):
             return [effect for effect in self.offered if not effect.transferable]
         return self.offered
 
