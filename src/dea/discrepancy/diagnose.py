@@ -194,6 +194,8 @@ def diagnose(
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         noise_floor=white,
         coloured_level=evidence.coloured_level,
+        floor=evidence.floor,
+        stated_floor=evidence.stated_floor,
         presence=weighed,
         error=error,
         share=share_of(evidence, final) if decision.answer else None,

@@ -70,6 +70,8 @@ class Diagnosis:
         The best candidate of every effect set tried, best first.
     noise_floor, coloured_level
         Levels of white noise and of the coloured noise beyond it, in the output's unit.
+    floor, stated_floor
+        What a complete simulation leaves, with and without coloured noise (:class:`Evidence`).
     presence, error
         How sure it is that each effect is part of the answer, and what the best answer leaves.
     final, spread
@@ -102,6 +104,8 @@ class Diagnosis:
     certificate: Certificate
     noise_floor: float
     coloured_level: float
+    floor: float
+    stated_floor: float
     presence: Presence
     error: ModelError
     share: Share | None
@@ -122,20 +126,6 @@ class Diagnosis:
     def uncertainty(self) -> Uncertainty:
         """How sure the coordinates of the ``final`` simulation are."""
         return uncertainty(self.problem, self.final, self.spread, self.error)
-
-    @property
-    def floor(self) -> float:
-        """Residual that a complete simulation leaves: white noise, and what goes beyond it.
-
-        That is coloured noise, or the stated accuracy, whichever is larger.
-        """
-        accuracy = self.nominal.extended.simulation.accuracy
-        return float(np.hypot(self.noise_floor, max(accuracy, self.coloured_level)))
-
-    @property
-    def stated_floor(self) -> float:
-        """White noise and stated accuracy, without coloured noise."""
-        return float(np.hypot(self.noise_floor, self.nominal.extended.simulation.accuracy))
 
     @property
     def above_white(self) -> float:
