@@ -222,6 +222,13 @@ def test_what_follows_the_inputs_past_is_predicted_whatever_the_lags(share):
     assert predictable(problem, residual) == pytest.approx(1.0 - np.sqrt(1.0 - share), abs=0.04)
 
 
+@pytest.mark.parametrize("first", [N - 100, N - 40])
+def test_what_follows_the_inputs_past_is_predicted_in_records_of_any_length(first):
+    problem, residual = hidden(0.75)
+    joined = replace(problem, lengths=(first, N - first))
+    assert predictable(joined, residual) == pytest.approx(0.5, abs=0.06)
+
+
 @pytest.mark.parametrize(("share", "noise"), [(0.3, True), (0.45, False)])
 def test_a_fifth_of_coloured_noise_may_be_predicted_or_what_is_allowed(share, noise):
     problem, residual = hidden(share)

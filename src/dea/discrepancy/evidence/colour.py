@@ -32,7 +32,7 @@ _SURROGATES = 200
 # Part of the record over which energies are averaged, and the shifts of the motion (the nearest by
 # a twentieth of the record) all of which its energy at the right time must exceed.
 _AVERAGED, _SHIFTS, _NEAREST = 200, 200, 20
-# Lags of the input, up to this part of the record, and the weight of the ridge.
+# Lags of the input, up to this part of the longest record, and the weight of the ridge.
 _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 
 
@@ -187,15 +187,21 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
 
     A dynamic error of the simulation shows there, whatever its time constants.
     """
-    X = np.column_stack([problem.of_each_record(_past, u) for u in by_input(problem.u)])
+    longest = max(own.stop - own.start for own in problem.records)
+    lags = np.unique(np.round(np.geomspace(1, max(2, longest // _LONGEST), _LAGS)).astype(int)) - 1
+
+    def past(u: np.ndarray) -> np.ndarray:
+        return _past(u, lags)
+
+    X = np.column_stack([problem.of_each_record(past, u) for u in by_input(problem.u)])
     return part_predicted(problem, residual, X, (_RIDGE,))
 
 
-def _past(u: np.ndarray) -> np.ndarray:
-    """Return the lags of an input (n,), and what lies between them, as columns."""
+def _past(u: np.ndarray, lags: np.ndarray) -> np.ndarray:
+    """Return an input (n,) at its ``lags``, and what lies between them, as columns."""
     u = u - u.mean()
-    lags = np.unique(np.round(np.geomspace(1, max(2, u.size // _LONGEST), _LAGS)).astype(int)) - 1
-    X = np.column_stack([np.concatenate([np.zeros(k), u[: u.size - k]]) for k in lags])
+    late = np.minimum(lags, u.size)
+    X = np.column_stack([np.concatenate([np.zeros(k), u[: u.size - k]]) for k in late])
     # Differences of running sums join the lags without leaving samples out between them.
     sums = np.cumsum(X, axis=0)
     return np.column_stack([X, np.diff(sums, axis=1)])
