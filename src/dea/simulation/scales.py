@@ -71,6 +71,12 @@ class Scales:
         return min(100.0 * self.interval, 0.05 * self.duration)
 
     @property
+    def lags(self) -> tuple[float, ...]:
+        """Time constants (s) of three short lags, and in a long record of a longer one."""
+        short = tuple(samples * self.interval for samples in (2.0, 8.0, 30.0))
+        return (*short, self.slow) if self.slow > short[-1] else short
+
+    @property
     def u_peak(self) -> float:
         """Largest magnitude of the input."""
         return max(abs(self.u_low), abs(self.u_high))

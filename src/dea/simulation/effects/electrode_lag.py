@@ -81,10 +81,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     the rest follows nearly at once.
     """
     dt, full, duration = scales.interval, scales.u_peak, scales.duration
-    times = [2.0 * dt, 8.0 * dt, 30.0 * dt]
-    laws = [(time, 1.0, 0.02, 1.0, 0.0, 0.2, 0.0) for time in times]
-    times += [scales.slow] if scales.slow > times[-1] else []
-    laws += [(time, 0.1, 0.1, 1.0, 0.0, 0.0, 0.0) for time in times]
+    laws = [(time, 1.0, 0.02, 1.0, 0.0, 0.2, 0.0) for time in scales.lags[:3]]
+    laws += [(time, 0.1, 0.1, 1.0, 0.0, 0.0, 0.0) for time in scales.lags]
     laws += [(0.3 * dt, 0.1, 0.1, 1.0, 2.0, 0.0, 0.0)]
     if not scales.bipolar:
         laws += [(samples * dt, 0.1, 0.1, 3.0, 0.0, 0.0, 0.0) for samples in (4.0, 16.0)]

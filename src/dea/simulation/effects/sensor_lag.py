@@ -96,10 +96,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     And a slow part, beside which the rest follows at once.
     """
     middle, half = scales.y_middle, 0.5 * scales.y_span
-    times = [samples * scales.interval for samples in (2.0, 8.0, 30.0)]
-    times += [scales.slow] if scales.slow > times[-1] else []
     return (
-        *((time, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half) for time in times),
+        *((time, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half) for time in scales.lags),
         (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
         (scales.slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
     )
