@@ -13,14 +13,14 @@ from dea.discrepancy.search.candidates import Candidate
 
 def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
-    floor, white, rules = evidence.floor, evidence.stated_floor, evidence.rules
-    if chosen.rmse <= rules.clean * white:
+    floor, stated, rules = evidence.floor, evidence.stated_floor, evidence.rules
+    if chosen.rmse <= rules.clean * stated:
         return True
     further = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
     if further and weighed.wider_than(chosen) >= rules.certain:
         return False
     # Several laws together fit almost any residual: what they leave must be noise.
-    if len(chosen.names) > 1 and chosen.rmse > rules.grow * white:
+    if len(chosen.names) > 1 and chosen.rmse > rules.grow * stated:
         certain = weighed.least_of(chosen) >= rules.certain
         return certain and leaves_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)

@@ -172,8 +172,8 @@ def _stands_alone(
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
     before = evidence.nominal_error
-    white = evidence.stated_floor
-    complete = before > rules.grow * white and not rules.leaves_room(surest.rmse, before, white)
+    stated = evidence.stated_floor
+    complete = before > rules.grow * stated and not rules.leaves_room(surest.rmse, before, stated)
     if complete and not of_readings:
         return borne_out(evidence, surest)
     return share_of(evidence, surest.fit).low >= rules.part
