@@ -26,9 +26,9 @@ _CAPTIONS = {
     " named; shaded, the certified samples, which no fit has seen. B: both where they disagree"
     " most. C: size of the residual along the quantity that it depends on most, before and after,"
     " and what chance reaches. D: error on parts of the record left out, with one effect after the"
-    " other, down to the noise floor; what the simulation alone leaves above it is the gap. E: the"
-    " law that is named, with its 95 % band. F: how sure each effect is part of the answer, and how"
-    " much of the gap it removes. docs/discrepancy.md has the terms.",
+    " other, down to the noise floor; what the simulation alone leaves above noise is the gap. E:"
+    " the law that is named, with its 95 % band. F: how sure each effect is part of the answer, and"
+    " how much of the gap it removes. docs/discrepancy.md has the terms.",
 }
 _UNSURE = " Without bands this does not tell drift from error of estimation."
 _STYLE = """
