@@ -160,6 +160,16 @@ def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
     assert ax.get_ylim()[0] > ax.get_ylim()[1]
 
 
+@pytest.mark.parametrize(
+    ("level", "label"),
+    [({}, "with model error"), ({"coloured_level": 0.05}, "with coloured noise")],
+)
+def test_the_ladder_says_what_is_left_beyond_the_noise_floor(level, label):
+    axes = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict() | level).axes
+    texts = axes[PANELS.index("ladder")].get_legend().get_texts()
+    assert [text.get_text() for text in texts] == ["noise floor", label]
+
+
 def test_the_runs_are_those_over_the_certified_block(panels):
     drawn = {line.get_label(): line for line in panels["runs"].lines}
     for name, values in (("measured", MEASURED), ("nominal", NOMINAL), ("extended", EXTENDED)):

@@ -216,7 +216,8 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     ax.axvline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
     level = verdict["model_error"].get("level", floor)
     if level > floor:
-        ax.axvline(level, color=style.BLACK, lw=0.8, ls=":", label="with model error")
+        beside = "coloured noise" if verdict.get("coloured_level", 0.0) else "model error"
+        ax.axvline(level, color=style.BLACK, lw=0.8, ls=":", label=f"with {beside}")
     ax.legend(**_ABOVE)
     ax.set_yticks(range(len(rungs)), [in_words(name) for name in rungs])
     ax.set_ylim(max(len(rungs), _FEW) - 0.5, -0.5)
