@@ -82,7 +82,7 @@ def drifting():
 def test_a_course_in_time_is_interpolated_between_short_blocks(drifting):
     """A third of the record would be extrapolated, and say nothing against the right course."""
     problem, fitted = drifting
-    assert problem.period == SIZE // 3
+    assert problem.periods == (SIZE // 3,)
     assert problem.seen_rmse(fitted.residual) < 2.0 * NOISE
     assert problem.seen_rmse(HeldOut(problem).residual(fitted)) < 3.0 * NOISE
 

@@ -74,12 +74,28 @@ def test_what_a_periodic_input_repeats_is_no_foreign_line():
     own = np.sin(2 * np.pi * 0.6 * T) + 0.5 * np.cos(2 * np.pi * 1.4 * T)
     foreign = 0.2 * np.sin(2 * np.pi * 2.713 * T)
     problem = recorded(u, own + foreign)
-    assert problem.period == 250
+    assert problem.periods == (250,)
     assert lines(problem, own + foreign)[0] == pytest.approx(0.6, abs=0.1 / 60)
     assert foreign_lines(problem, own + foreign)[0] == pytest.approx(2.713, abs=0.1 / 60)
     noise = np.random.default_rng(3).standard_normal(SAMPLES)
     aperiodic = recorded(noise, own)
     assert set(lines(aperiodic, own)) <= set(foreign_lines(aperiodic, own))
+
+
+def test_the_period_is_that_of_each_record():
+    """One excitation that is played twice is no periodic input; nor do joints hide a period."""
+    hum = np.sin(2 * np.pi * 3.137 * T)
+    once = np.random.default_rng(3).standard_normal(SAMPLES)
+    twice = replace(recorded(np.tile(once, 2), np.tile(hum, 2)), lengths=(SAMPLES, SAMPLES))
+    assert twice.periods == (0, 0)
+    assert foreign_lines(twice, np.tile(hum, 2))[0] == pytest.approx(3.137, abs=0.1 / 60)
+
+    u = np.sign(np.sin(2 * np.pi * 0.2 * T + 0.1))
+    own = np.sin(2 * np.pi * 0.6 * T) + 0.2 * np.sin(2 * np.pi * 2.713 * T)
+    cut = np.r_[0:2050, 0:SAMPLES]
+    joined = replace(recorded(u[cut], own[cut]), lengths=(2050, SAMPLES))
+    assert joined.periods == (250, 250)
+    assert foreign_lines(joined, own[cut])[0] == pytest.approx(2.713, abs=0.1 / 60)
 
 
 def test_of_lines_that_the_input_does_not_have_the_sharpest_comes_first():

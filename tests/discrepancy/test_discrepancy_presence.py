@@ -23,6 +23,7 @@ from dea.discrepancy.evidence.presence import (
 )
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.candidates import Candidate
+from dea.missing import runs
 
 BLOCKS = [slice(k, k + 50) for k in range(0, 5000, 50)]
 WHITE = ModelError(1.0, 0.0, 0.0, 1.0)
@@ -306,7 +307,7 @@ def test_a_period_is_held_out_whole():
     u = np.sin(2 * np.pi * np.arange(n) / 1000)
     seen = np.arange(n) % 200 < 150
     problem = Problem(u, u, 0.02, seen, seen & False, ~seen)
-    assert problem.period == 1000
+    assert problem.periods == (1000,)
     masks = folds(problem)
     assert len(masks) >= 3
     assert (np.sum(masks, axis=0) == seen).all()
@@ -315,6 +316,23 @@ def test_a_period_is_held_out_whole():
         later = np.flatnonzero((np.arange(n) > first) & seen & ~mask)
         last = later[0] if later.size else n
         assert last - first >= 1000 - 50
+
+
+def test_a_period_of_each_record_is_held_out_whole():
+    """A record whose input repeats leaves another, whose input does not, in single blocks."""
+    n = 6000
+    repeated = np.sin(2 * np.pi * np.arange(n) / 1000)
+    once = np.random.default_rng(4).standard_normal(n)
+    u = np.r_[repeated, once]
+    seen = np.arange(2 * n) % 200 < 150
+    problem = Problem(u, u, 0.02, seen, seen & False, ~seen, lengths=(n, n))
+    assert problem.periods == (1000, 0)
+    masks = folds(problem)
+    assert (np.sum(masks, axis=0) == seen).all()
+    repeating = [found for mask in masks if (found := runs(mask[:n]))]
+    assert len(repeating) >= 3
+    assert all(found[-1].stop - found[0].start >= 1000 - 50 for found in repeating)
+    assert {run.stop - run.start for mask in masks for run in runs(mask[n:])} == {150}
 
 
 def test_an_accuracy_that_is_stated_makes_no_evidence_stronger():

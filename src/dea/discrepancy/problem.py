@@ -85,9 +85,9 @@ class Problem(Samples):
         return np.arange(self.size) * self.interval
 
     @cached_property
-    def period(self) -> int:
-        """Period of the input in samples; zero where it does not repeat."""
-        return period_of(self.u)
+    def periods(self) -> tuple[int, ...]:
+        """Period of the input of each record in samples; zero where it does not repeat."""
+        return tuple(period_of(self.u[own]) for own in self.records)
 
     @cached_property
     def seen(self) -> np.ndarray:

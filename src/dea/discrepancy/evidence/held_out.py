@@ -99,7 +99,11 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
         for own in courses
         for block in problem.blocks(_OF_A_COURSE * (own.stop - own.start), own)
     ]
-    groups = short or _spanning(problem.blocks(inf), problem.period)
+    groups = short or [
+        group
+        for own, period in zip(problem.records, problem.periods, strict=True)
+        for group in _spanning(problem.blocks(inf, own), period)
+    ]
     count = min(_FOLDS, len(groups))
     dealt = []
     for first in range(count):
@@ -123,7 +127,7 @@ def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:
 
 
 def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
-    """Return consecutive blocks in groups that span so many samples, but in three at least."""
+    """Return consecutive blocks of a record in groups that span so many samples, three at least."""
     samples = min(samples, (blocks[-1].stop - blocks[0].start) // _LEAST_FOLDS)
     groups: list[list[slice]] = []
     for block in blocks:

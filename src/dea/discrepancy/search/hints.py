@@ -28,7 +28,7 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 
     Of several inputs the one with most power at a frequency counts there.
     """
-    own = _longest(problem)
+    own = problem.records[_longest(problem)]
     frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
     driving = []
     for each in by_input(problem.u):
@@ -50,16 +50,17 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     input's period would explain it. Elsewhere the sharpest lines come first: what the simulation
     lacks besides is broad, and may yet be higher.
     """
-    own = _longest(problem)
+    longest = _longest(problem)
+    own, period = problem.records[longest], problem.periods[longest]
     frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
-    if not problem.period:
+    if not period:
         sharpness = power / (_around(power) + 1e-300)
         noise = (power <= _LEAST * power.max()) | (sharpness <= _SHARP)
         sharp = _peaks(frequency, power, sharpness, noise)
         if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
             sharp.reverse()
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
-    orders = frequency * problem.period * problem.interval
+    orders = frequency * period * problem.interval
     harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
     return tuple(_peaks(frequency, power, power, harmonic))
 
@@ -84,12 +85,13 @@ def _around(power: np.ndarray) -> np.ndarray:
     return level
 
 
-def _longest(problem: Problem) -> slice:
-    """Return the samples of the longest record, in which a line is sharpest.
+def _longest(problem: Problem) -> int:
+    """Return the number of the longest record, in which a line is sharpest.
 
     Where records join, its phase jumps.
     """
-    return max(problem.records, key=lambda own: own.stop - own.start)
+    lengths = [own.stop - own.start for own in problem.records]
+    return lengths.index(max(lengths))
 
 
 def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
@@ -143,6 +145,6 @@ def jumps(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
                 at = int(np.argmax(score))
                 found.append((at + 1) * problem.interval)
                 score[max(0, at - n // 20) : at + n // 20] = 0.0
-    own = _longest(problem)
+    own = problem.records[_longest(problem)]
     grid = (np.arange(_GRID) + 0.5) / _GRID * (own.stop - own.start) * problem.interval
     return (*found, *(float(instant) for instant in grid))
