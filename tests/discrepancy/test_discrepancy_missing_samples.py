@@ -36,6 +36,15 @@ def test_a_record_whose_output_is_known_too_seldom_is_refused_in_one_line():
         diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))
 
 
+def test_of_several_records_one_with_too_few_outputs_is_named():
+    """Its error alone would be that of no sample, which contradicts any answer."""
+    whole, other = (record([], duration=20.0, seed=seed) for seed in (3, 4))
+    known = np.arange(other.sizes["time"]) < 5
+    other["displacement"] = other["displacement"].where(known, np.nan)
+    with pytest.raises(InputError, match="every block of record 2 that could be used to fit to"):
+        diagnose([whole, other], "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))
+
+
 @pytest.mark.parametrize(("role", "keep"), [("input", 0.0), ("output", 1.0)])
 def test_a_record_in_which_nothing_happens_is_refused(role, keep):
     u = np.sin(np.arange(400.0))

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 _SHORTER = 4
 # Part of the output's deviation that noise is taken for at least: a fit needs some.
 _LEAST = 1e-6
+_DIAGNOSE_A_PART = "Diagnose a part of the record in which it is known"
 # Part by which the sampling intervals of two records may differ.
 SAME_INTERVAL = 1e-6
 
@@ -145,13 +146,7 @@ def prepare(
         min(each.time_constants for each in splits),
         splits[0].slowest,
     )
-    for role, mask in (("fit to", parts.fit | parts.select), ("certify on", parts.certify)):
-        if not mask.any():
-            raise InputError(
-                f"it is missing in every block that could be used to {role}",
-                field="output",
-                remedy="Diagnose a part of the record in which it is known",
-            )
+    _require_outputs(parts, records)
     problem = Problem(
         u,
         joined.y,
@@ -159,15 +154,34 @@ def prepare(
         parts.fit,
         parts.select,
         parts.certify,
-        settings.noise_margin * noise,
-        tolerance,
-        _SHORTER * extended.substeps,
-        seen,
-        factor,
-        oversampled,
-        extended.lengths,
+        noise=settings.noise_margin * noise,
+        tolerance=tolerance,
+        most_steps=_SHORTER * extended.substeps,
+        measured=seen,
+        decimation=factor,
+        oversampled=oversampled,
+        lengths=extended.lengths,
     )
     return problem, parts, extended
+
+
+def _require_outputs(parts: Split, records: Sequence[Samples]) -> None:
+    """Refuse outputs that are missing wherever they could be certified, or one record fitted."""
+    for number, own in enumerate(samples_of_each([each.size for each in records]), 1):
+        if not (parts.fit | parts.select)[own].any():
+            several = len(records) > 1
+            of_record = f" of record {number}" if several else ""
+            raise InputError(
+                f"it is missing in every block{of_record} that could be used to fit to",
+                field="output",
+                remedy="Leave that record out" if several else _DIAGNOSE_A_PART,
+            )
+    if not parts.certify.any():
+        raise InputError(
+            "it is missing in every block that could be used to certify on",
+            field="output",
+            remedy=_DIAGNOSE_A_PART,
+        )
 
 
 class _Prepared(NamedTuple):
