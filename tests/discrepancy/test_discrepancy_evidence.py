@@ -432,6 +432,20 @@ def test_an_equation_names_what_standardises_each_signal_in_it():
     assert "u1 by" not in equation
 
 
+@pytest.mark.parametrize("beyond", [0.0, 1e-5])
+def test_a_term_that_hardly_moves_where_it_is_fitted_does_not_hide_the_others(beyond):
+    """The input passes its 90 % quantile in the blocks that judge alone, but for one sample."""
+    rng = np.random.default_rng(15)
+    fit, select = halves(3000)
+    u = rng.uniform(-1.0, 1.0, 3000)
+    knee = np.quantile(u, 0.9)
+    u[fit] = np.minimum(u[fit], knee)
+    u[np.flatnonzero(fit)[0]] = knee + beyond
+    residual = 0.3 * u + 0.02 * rng.standard_normal(3000)
+    problem = problem_of(u, lfilter([0.05], [1.0, -0.95], u) + residual, 1.0, fit, select)
+    assert residual_model(problem, residual).ratio < 0.2
+
+
 @pytest.mark.parametrize("constant", [0.0, 0.75])
 def test_a_constant_counts_as_predicted(constant):
     rng = np.random.default_rng(13)

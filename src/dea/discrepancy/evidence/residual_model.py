@@ -2,10 +2,10 @@
 
 Several inputs are called u1, u2 and so on, in the order of the simulation.
 
-The residual is regressed on a dictionary of input, output, their memory and time (ridge regression,
-Hoerl and Kennedy 1970). The dictionary contains no physics: a missing effect could explain what it
-predicts on blocks that it was not fitted to. Forward selection of its terms gives an equation, as
-in Brunton, Proctor and Kutz (2016), PNAS 113:3932.
+The residual is regressed on a dictionary of input, output, their memory and time. The dictionary
+contains no physics: a missing effect could explain what it predicts on blocks that it was not
+fitted to. Forward selection of its terms gives an equation, as in Brunton, Proctor and Kutz (2016),
+PNAS 113:3932.
 """
 
 import re
@@ -16,12 +16,13 @@ from itertools import combinations
 
 import numpy as np
 
+from dea.discrepancy.evidence.regression import least_left, standardised
 from dea.discrepancy.problem import Problem, rmse
 from dea.inputs import by_input
 from dea.simulation import low_pass
 from dea.terms import input_symbol
 
-_RIDGES = np.logspace(-4, 2, 7)
+_RIDGES = tuple(np.logspace(-8, 4, 7))
 _MAX_TERMS = 5
 _BETTER = 0.97  # part of the energy that a further term may leave at most: chance hardly takes more
 # A signal in the name of a term: an input, the output, or a derivative of one.
@@ -111,23 +112,17 @@ def residual_model(problem: Problem, residual: np.ndarray) -> ResidualModel:
     simulated = problem.y - residual
     names, X = dictionary(problem, simulated)
     train, test = problem.fit, problem.select
-    mean, scale = X[train].mean(0), X[train].std(0) + 1e-12
-    X = (X - mean) / scale
-    level = residual[train].mean()
-    e = residual - level
-    left, s, right = np.linalg.svd(X[train], full_matrices=False)
-    projected = left.T @ e[train]
     before = rmse(residual, test)
     if not before:
         return ResidualModel(1.0, "0", 0.0)
-    best = before
-    for ridge in _RIDGES * train.sum() ** 0.5:
-        weights = right.T @ (s / (s**2 + ridge**2) * projected)
-        best = min(best, rmse(e - X @ weights, test))
-    chosen, weights, explained = _sparse(X, e, train, test)
-    weights = weights / scale[chosen]
-    terms = {names[i]: float(w) for i, w in zip(chosen, weights, strict=True)}
-    constant = float(level - weights @ mean[chosen])
+    level = residual[train].mean()
+    e = residual - level
+    told = standardised(problem, X)
+    best = min(before, least_left(problem, e, told.columns, _RIDGES))
+    chosen, weights, explained = _sparse(told.columns, e, train, test)
+    weights = weights / told.scale[chosen]
+    terms = {names[told.kept[i]]: float(w) for i, w in zip(chosen, weights, strict=True)}
+    constant = float(level - weights @ told.mean[chosen])
     equation = _written(terms, constant, _signals(problem, simulated)) if terms else "0"
     return ResidualModel(best / before, equation, explained)
 
