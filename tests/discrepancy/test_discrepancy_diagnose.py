@@ -194,6 +194,20 @@ def test_the_datasets_keep_their_contracts(creeping, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_share_is_counted_from_what_is_held_out_of_each_candidate(creeping):
+    """A course in time is compared on other blocks than the other candidates."""
+    singles, floor = creeping.singles, creeping.floor
+    before = floor * np.linspace(2.0, 3.0, len(singles.candidates))
+    gains = replace(singles.gains, before=before, gain=np.log(before / (1.5 * floor)))
+    made = replace(creeping, singles=replace(singles, gains=gains))
+    share = candidates_dataset(made)["share"].values
+    finished = np.array([c.finished for c in singles.candidates])
+    expected = 1.0 - np.sqrt(1.5**2 - 1.0) / np.sqrt((before / floor) ** 2 - 1.0)
+    np.testing.assert_allclose(share[finished], expected[finished])
+    assert np.isnan(share[~finished]).all()
+
+
+@pytest.mark.slow
 def test_a_diagnosis_does_not_depend_on_the_number_of_threads(creeping):
     assert diagnosed(("viscoelastic_creep", 3.0), workers=2).verdict == creeping.verdict
 

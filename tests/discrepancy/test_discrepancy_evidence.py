@@ -109,6 +109,8 @@ def test_a_residual_that_shrinks_alike_everywhere_has_a_sure_gain():
     for bound in (found.gain, found.low, found.high):
         np.testing.assert_allclose(bound, [1.0, 0.0, -np.log(2.0)], atol=1e-12)
     assert found.null == 0.3
+    inside = np.concatenate([before[block] for block in BLOCKS])
+    np.testing.assert_allclose(found.before, np.sqrt(np.mean(inside**2)))
     assert beaten(before, 3.0 * before, BLOCKS, rng) == pytest.approx((np.log(3.0), np.log(3.0)))
 
 
@@ -519,7 +521,7 @@ def evidence_of(samples):
 def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
     rungs = [Rung(None, np.full(1000, 4.0)), Rung("b", np.full(1000, 2.0))]
     singles = [SimpleNamespace(labels=(label,), finished=True, error=1.0) for label in "abc"]
-    gained = Gains(np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0), 0.1)
+    gained = Gains(np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0), 0.1, np.ones(3))
     [found] = contributions(evidence_of(1000), rungs, attached("b"), singles, gained)
     assert found == Contribution(4.0, 2.0, 2.0, 1.5, 9.0)
 
@@ -538,7 +540,7 @@ def test_of_two_effects_the_first_contributes_what_it_did_alone():
     assert [rung.label for rung in rungs] == [None, "a", "b"]
     first, second = contributions(evidence, rungs, final, singles, None)
     assert (first.before, first.after, second.before, second.after) == (4.0, 2.0, 2.0, 0.5)
-    gained = Gains(np.array([2.0, 3.0]), np.zeros(2), np.full(2, 9.0), 0.1)
+    gained = Gains(np.array([2.0, 3.0]), np.zeros(2), np.full(2, 9.0), 0.1, np.ones(2))
     [alone] = contributions(evidence, rungs[:2], attached("a"), singles, gained)
     assert alone.gain == 2.0
 

@@ -14,13 +14,15 @@ class Gains:
     """Gains log(RMSE₀/RMSEₖ) over the chosen blocks, one per candidate.
 
     ``low`` and ``high`` bound all of them together with 95 % confidence; ``null`` is the gain
-    that the best of them exceeds in 5 % of records that miss nothing.
+    that the best of them exceeds in 5 % of records that miss nothing. ``before`` is RMSE₀, on the
+    samples that are held out of the candidate.
     """
 
     gain: np.ndarray
     low: np.ndarray
     high: np.ndarray
     null: float
+    before: np.ndarray
 
 
 def energies(residual: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
@@ -55,7 +57,9 @@ def gains(
     rarity = np.minimum(rank, 1.0 - rank).min(0)
     level = float(np.quantile(rarity, 0.05))
     low, high = np.quantile(drawn, [level, 1.0 - level], axis=1)
-    return Gains(0.5 * np.log(reference.sum(1) / sums.sum(1)), low, high, null)
+    samples = sum(block.stop - block.start for block in blocks)
+    rmse = np.sqrt(reference.sum(1) / samples)
+    return Gains(0.5 * np.log(reference.sum(1) / sums.sum(1)), low, high, null, rmse)
 
 
 def beaten(

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.diagnosis import Diagnosis
-from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.law_bands import banded_laws
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
@@ -171,16 +170,14 @@ def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
 
 def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
     """Return the share of each single effect that was fitted to the end; NaN of others."""
-    whole = rmse(diagnosis.ladder.rungs[0].residual, diagnosis.problem.seen)
-    gap = misfit(whole, diagnosis.floor)
-    left = [
-        misfit(whole * float(np.exp(-gain)), diagnosis.floor)
-        for gain in diagnosis.singles.gains.gain
-    ]
-    finished = [c.finished and gap > 0.0 for c in diagnosis.singles.candidates]
-    return np.array(
-        [1.0 - each / gap if done else np.nan for each, done in zip(left, finished, strict=True)]
-    )
+    floor, gained = diagnosis.floor, diagnosis.singles.gains
+
+    def share(before: float, gain: float) -> float:
+        gap = misfit(before, floor)
+        return 1.0 - misfit(before * float(np.exp(-gain)), floor) / gap if gap else np.nan
+
+    candidates = zip(diagnosis.singles.candidates, gained.before, gained.gain, strict=True)
+    return np.array([share(*held_out) if c.finished else np.nan for c, *held_out in candidates])
 
 
 def _written(candidates: Iterable[Candidate]) -> np.ndarray:
