@@ -70,4 +70,4 @@ def share_of(evidence: Evidence, extended: Fit) -> Share:
     """Return the part of the simulation's misfit on held-out blocks that an extension removes."""
     held_out = evidence.held_out
     before, after = held_out.residual(evidence.nominal, extended), held_out.residual(extended)
-    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)
+    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.resampling)

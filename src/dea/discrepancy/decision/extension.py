@@ -62,7 +62,7 @@ def best_extension(
     for size in sorted({len(c.names) for c in larger}):
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
-        _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
+        _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.resampling)
         # A course in time that leaves noise alone is right, though it may be predicted badly at the
         # ends of the record, or of blocks in which it bends.
         left = evidence.problem.seen_rmse(before.residual)

@@ -162,7 +162,7 @@ def _stands_alone(
         if not rules.as_good(other.error, surest.error, evidence.noise_floor):
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
-        worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)
+        worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.resampling)
         # With few blocks, resampling often omits the one that separates them.
         return low <= rules.needed_gain and worse <= np.log(rules.near)
 

@@ -46,7 +46,7 @@ def rivals_of(
         residuals = chosen.fit.residual, other.fit.residual
         if other.error <= rules.near * chosen.error:
             residuals = held_out.residual(chosen.fit), held_out.residual(other.fit)
-        _, low = beaten(*residuals, evidence.blocks, evidence.rng)
+        _, low = beaten(*residuals, evidence.blocks, evidence.resampling)
         as_good = rules.as_good(other.error, chosen.error, evidence.noise_floor)
         if low <= 0 or as_good or (several and rules.nearly(other.error, chosen.error)):
             rivals.append(other)

@@ -31,7 +31,7 @@ class Evidence:
     coloured_level
         Level of the coloured noise beyond the white one, 0 where the best candidate leaves none.
     rng
-        Draws the blocks.
+        Draws what is random, such as the blocks.
     """
 
     problem: Problem
@@ -48,6 +48,18 @@ class Evidence:
     def nominal_error(self) -> float:
         """RMS residual of the simulation alone."""
         return self.problem.seen_rmse(self.nominal.residual)
+
+    @cached_property
+    def _seed(self) -> int:
+        return int(self.rng.integers(2**32))
+
+    @property
+    def resampling(self) -> np.random.Generator:
+        """A generator that draws the same blocks whenever candidates are compared.
+
+        So a bound is the same whatever was compared before.
+        """
+        return np.random.default_rng(self._seed)
 
     @property
     def floor(self) -> float:
