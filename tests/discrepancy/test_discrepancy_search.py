@@ -16,6 +16,7 @@ from dea.discrepancy.decision import (
     sure_alone,
     without_small_drift,
 )
+from dea.discrepancy.decision.parts import each_adds
 from dea.discrepancy.evidence.colour import coloured_level
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
@@ -1099,13 +1100,16 @@ def test_larger_sets_that_are_not_accepted_do_not_take_the_weight_of_a_name(besi
     assert found.answer is alone
 
 
-def named_against(evidence, sure, rival, predicted=None):
-    """The name given where one has nearly all the weight; ``predicted`` are held-out residuals."""
+def named_against(evidence, sure, rival, predicted=None, alone=()):
+    """The name given where one has nearly all the weight; ``predicted`` are held-out residuals.
+
+    ``alone`` are the effects of a pair by themselves.
+    """
     predicted = predicted or {}
     held_out = Predicted(evidence.problem, lambda fitted: predicted.get(fitted, fitted.residual))
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
     found = decide(
-        replace(evidence, held_out=held_out), rival, [rival, sure], [rival], weighed
+        replace(evidence, held_out=held_out), rival, [rival, sure, *alone], [rival], weighed
     )  # fmt: skip
     return found.answer if found.status == "named" else None
 
@@ -1123,7 +1127,8 @@ def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, fact
     evidence, candidate = graded()
     sure, rival = candidate(1.01, *names), candidate(1.01, "dead_zone", *names[1:])
     predicted = {rival.fit: factor * rival.fit.residual}
-    assert (named_against(evidence, sure, rival, predicted) is sure) == named
+    alone = [candidate(6.0, name) for name in names if len(names) > 1]
+    assert (named_against(evidence, sure, rival, predicted, alone) is sure) == named
 
 
 @pytest.mark.parametrize(
@@ -1137,7 +1142,8 @@ def test_a_pair_is_named_beside_another_one_with_nearly_its_error_that_predicts_
     sure = candidate(1.13, "dead_zone", "sensor_lag")
     rival = candidate(error, "dead_zone", "gain_drift")
     held_out = {rival.fit: candidate(predicted).fit.residual}
-    assert (named_against(evidence, sure, rival, held_out) is sure) == named
+    alone = [candidate(6.0, name) for name in sure.names]
+    assert (named_against(evidence, sure, rival, held_out, alone) is sure) == named
 
 
 @pytest.mark.parametrize(("error", "named"), [(1.18, False), (1.25, True)])
@@ -1147,7 +1153,8 @@ def test_a_pair_is_not_named_beside_one_of_other_families_with_nearly_its_error(
     sure = candidate(1.13, "charge_leakage", "strain_stiffening")
     rival = candidate(error, "gain_drift", "periodic_disturbance")
     held_out = {rival.fit: candidate(2.0).fit.residual}
-    assert (named_against(evidence, sure, rival, held_out) is sure) == named
+    alone = [candidate(6.0, name) for name in sure.names]
+    assert (named_against(evidence, sure, rival, held_out, alone) is sure) == named
 
 
 def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
@@ -1520,3 +1527,29 @@ def test_a_gently_bent_command_does_not_bear_the_name_of_a_limit(limited):
     [found] = again.candidates
     assert found.finished is limited
     assert found.rmse < 1.2 * NOISE
+
+
+@pytest.mark.parametrize(("partner", "needed"), [("sensor_lag", True), ("coulomb_friction", False)])
+def test_an_effect_of_a_pair_is_needed_only_if_the_other_alone_leaves_much(partner, needed):
+    """The other one was never fitted to the end by itself."""
+    problem, extended = hidden("dead_zone", *(("sensor_lag",) if needed else ()))
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    told = measured_scales(extended, nominal.values, problem)
+    both = extended
+    values = nominal.values
+    for name in ("dead_zone", partner):
+        both = both.attach(catalogue()[name], told)
+        own = both.attached[-1]
+        best = min(
+            (own.started(start) for start in own.effect.starts(told)),
+            key=lambda law: problem.seen_rmse(problem.residual(both, np.r_[values, law])),
+        )
+        values = np.concatenate([values, best])
+        values = fit(problem, both, both.coordinates(values)).values
+    chosen = judged(problem, fit(problem, both, both.coordinates(values)))
+    assert chosen.rmse < 1.1 * NOISE
+    evidence = Evidence(
+        problem, nominal, HeldOut(problem), problem.blocks(100), NOISE, 0.0, Rules(),
+        np.random.default_rng(8),
+    )  # fmt: skip
+    assert each_adds(evidence, chosen, [chosen]) == needed

@@ -8,6 +8,7 @@ from dea.discrepancy.decision.adequacy import share_of
 from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate, EffectSet
 
@@ -97,16 +98,19 @@ def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) 
     """Return whether each of several effects removes much of what the others leave.
 
     Blocks left out are used, because a second law can be fitted to the error of the first one's.
+    Others that were not fitted to the end are, from the place where the chosen ones have them.
     """
     if len(chosen.effects) == 1:
         return True
 
-    def left(candidate: Candidate) -> float:
-        return misfit(evidence.held_out.rmse(candidate.fit, chosen.fit), evidence.floor)
+    def left(fitted: Fit) -> float:
+        return misfit(evidence.held_out.rmse(fitted, chosen.fit), evidence.floor)
 
-    most = [
-        (1.0 - evidence.rules.part) * left(min(others, key=lambda c: c.rmse))
-        for effect in chosen.effects
-        if (others := [c for c in pool if c.finished and c.effects == chosen.effects - {effect}])
-    ]
-    return left(chosen) <= min(most, default=np.inf)
+    def others(index: int) -> Fit:
+        remaining = chosen.effects - {chosen.counted[index]}
+        there = (c for c in pool if c.finished and c.effects == remaining)
+        best = min(there, key=lambda c: c.rmse, default=None)
+        return best.fit if best else evidence.refitted_without(chosen.fit, index)
+
+    least = min(left(others(index)) for index in range(len(chosen.names)))
+    return left(chosen.fit) <= (1.0 - evidence.rules.part) * least

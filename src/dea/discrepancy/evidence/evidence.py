@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from dea.discrepancy.evidence.held_out import HeldOut
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, fit, without
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 
@@ -48,6 +48,18 @@ class Evidence:
     def nominal_error(self) -> float:
         """RMS residual of the simulation alone."""
         return self.problem.seen_rmse(self.nominal.residual)
+
+    @cached_property
+    def _refitted(self) -> dict[tuple[Fit, int], Fit]:
+        return {}
+
+    def refitted_without(self, fitted: Fit, index: int) -> Fit:
+        """Return a fit without one of its effects, the others fitted again; found once."""
+        key = fitted, index
+        if key not in self._refitted:
+            start = without(self.problem, fitted, index)
+            self._refitted[key] = fit(self.problem, start.extended, start.coordinates)
+        return self._refitted[key]
 
     @cached_property
     def _seed(self) -> int:
