@@ -521,7 +521,8 @@ def evidence_of(samples):
 def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
     rungs = [Rung(None, np.full(1000, 4.0)), Rung("b", np.full(1000, 2.0))]
     singles = [SimpleNamespace(labels=(label,), finished=True, error=1.0) for label in "abc"]
-    gained = Gains(np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0), 0.1, np.ones(3))
+    gain, low, high = np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0)
+    gained = Gains(gain, low, high, 0.1, np.ones(3))
     [found] = contributions(evidence_of(1000), rungs, attached("b"), singles, gained)
     assert found == Contribution(4.0, 2.0, 2.0, 1.5, 9.0)
 

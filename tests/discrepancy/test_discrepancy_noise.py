@@ -426,3 +426,20 @@ def test_readings_that_a_limit_holds_are_told_from_those_of_a_coarse_converter()
     assert not at_a_limit(fine).any()
     at_rest = np.where(np.arange(2000) < 500, 0.0, np.round(fine, 1))
     assert not at_a_limit(np.abs(at_rest)).any()
+
+
+def test_noise_that_a_limit_hides_and_rounding_count_in_the_level_of_a_problem():
+    """The search asks it of every candidate, and the noise floor of the best of them."""
+    rng = np.random.default_rng(13)
+    clean = np.sin(0.02 * np.arange(2000))
+    noise = 0.02 * rng.standard_normal(2000)
+    reading = np.minimum(clean + noise, 0.5)
+    seen = np.ones(2000, bool)
+    problem = Problem(clean, reading, 0.02, seen, ~seen, ~seen)
+    left = np.where(reading < 0.5, noise, 0.0)
+    assert white_level(left, problem.noise_blocks) < 0.01
+    assert problem.white_level(left) == pytest.approx(0.02, rel=0.15)
+    assert problem.white_level(left, 3.0 * left) == problem.white_level(left)
+
+    rounded = replace(problem, y=np.round(clean, 1))
+    assert rounded.white_level(np.zeros(2000)) == pytest.approx(0.1 / np.sqrt(12.0))

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.split import cut
 from dea.missing import filled, runs
@@ -150,6 +151,21 @@ class Problem(Samples):
         """Blocks that are long enough to show the level of white noise."""
         parts, shortest = _FOR_NOISE
         return self.blocks(max(self.size / parts, shortest))
+
+    @cached_property
+    def _showing(self) -> np.ndarray:
+        """Samples whose noise shows, shape (n,): they are measured, and no limit holds them."""
+        result: np.ndarray = self.known & ~at_a_limit(self.uncertified.y)
+        return result
+
+    @cached_property
+    def _rounding(self) -> float:
+        return quantisation(self.y[self.seen])
+
+    def white_level(self, *residuals: np.ndarray) -> float:
+        """Return the lowest level of white noise in residuals (n,), or that of rounding."""
+        found = (white_level(each, self.noise_blocks, self._showing) for each in residuals)
+        return max(min(found), self._rounding)
 
     def seen_rmse(self, residual: np.ndarray) -> float:
         """Return the RMSE over all samples seen; infinite if ``residual`` is at any of them.

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 
-from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
@@ -147,8 +146,8 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     own = fitted.extended.of_laws
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
-        noise = white_level(best.residual, problem.noise_blocks, problem.known)
-        if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
+        level = problem.white_level(best.residual)
+        if problem.seen_rmse(best.residual) <= budget.shake_above * level:
             break
         shaken = replace(best, coordinates=best.coordinates + np.where(own, push, 0.0))
         best = min(best, fitted_again(problem, shaken, budget), key=lambda each: each.cost)

@@ -12,10 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
-import numpy as np
-
 from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
-from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
@@ -31,8 +28,9 @@ from dea.discrepancy.search.rounds import (
 )
 from dea.simulation import Effect, Port
 
-# Leading candidates that are fitted once more with their laws' shapes from the prior.
-_SHAPED_ANEW = 2
+# Leading candidates that are fitted once more with their laws' shapes from the prior, and those of
+# each round whose residuals show the noise floor.
+_SHAPED_ANEW, _SHOWING_NOISE = 2, 3
 # Part that may be predicted of what is taken for coloured noise beside one effect: in more, a
 # second one may hide.
 _BESIDE = PREDICTED / 2
@@ -211,8 +209,7 @@ class Search:
         return misfit(candidates[0].rmse, self._lowest_level(candidates))
 
     def _lowest_level(self, candidates: Sequence[Candidate]) -> float:
-        residuals = [c.fit.residual for c in candidates]
-        return _lowest(self.problem, residuals, self.problem.known)
+        return self.problem.white_level(*(c.fit.residual for c in candidates))
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
@@ -226,15 +223,6 @@ def finished_of(rounds: Sequence[Round]) -> list[Candidate]:
 
 
 def noise_floor(problem: Problem, rounds: Sequence[Round]) -> float:
-    """Return the lowest white level that any simulation leaves over, or that of rounding.
-
-    Where a limit holds the reading its noise does not show.
-    """
-    known = problem.known & ~at_a_limit(problem.uncertified.y)
-    residuals = [rounds[0].before.residual]
-    residuals += [c.fit.residual for r in rounds for c in r.candidates[:3] if c.finished]
-    return max(_lowest(problem, residuals, known), quantisation(problem.y[problem.seen]))
-
-
-def _lowest(problem: Problem, residuals: Sequence[np.ndarray], known: np.ndarray) -> float:
-    return min(white_level(residual, problem.noise_blocks, known) for residual in residuals)
+    """Return the lowest white level that the simulation or a leading candidate leaves."""
+    leading = [c.fit for r in rounds for c in r.candidates[:_SHOWING_NOISE] if c.finished]
+    return problem.white_level(*(each.residual for each in (rounds[0].before, *leading)))
