@@ -612,6 +612,11 @@ def test_it_is_told_that_certified_samples_dated_an_event():
             "bounds, which counts against it.",
         ),
         (
+            ["baseline_drift@valve 1.2.record_2.mode_1"],
+            "`baseline_drift` at valve 1.2 has its mode 1 of record 2 at its bound, which counts "
+            "against it.",
+        ),
+        (
             ["dead_zone@left.slope", "sensor_lag.time_constant"],
             "`dead_zone` at left has its slope at its bound and `sensor_lag` has its time constant "
             "at its bound, which counts against them.",

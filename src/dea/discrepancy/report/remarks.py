@@ -1,5 +1,6 @@
 """What a reader must know besides the verdict: timing, parameters at bounds, noise."""
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,8 @@ _COLOURED, _SMALL = 0.5, 0.5
 # Sampling intervals of the slowest time constant below which a record shows a device at rest alone:
 # from one sample to the next, a transient falls below exp(-10).
 _RARE = 0.1
+# A law's parameter: the law's label, which may hold dots, the record that it belongs to, its name.
+_PARAMETER = re.compile(r"^(.+?)\.(?:record_(\d+)\.)?([^.]+)$")
 
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
@@ -157,8 +160,9 @@ def _laws(found: "Diagnosis") -> str:
     answer = found.decision.answer
     away: dict[str, list[str]] = {}
     for name in answer.at_bounds if answer else ():
-        law, _, parameter = name.rpartition(".")
-        away.setdefault(label_in_words(law), []).append(parameter.replace("_", " "))
+        [(law, record, parameter)] = _PARAMETER.findall(name)
+        of_record = f" of record {record}" if record else ""
+        away.setdefault(label_in_words(law), []).append(parameter.replace("_", " ") + of_record)
     if not away:
         return ""
     ends = {law: "its bound" if len(names) == 1 else "their bounds" for law, names in away.items()}
