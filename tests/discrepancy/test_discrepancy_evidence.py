@@ -48,7 +48,9 @@ def problem_of(u, y, noise=1.0, fit=None, select=None):
         (lambda: Rules(part="half"), "part: it is 'half'. Give a number of 0 or more"),
         (lambda: Rules(near=np.nan), "near: it is nan. Give a number"),
         (lambda: Budget(effects=4), "effects: it is 4. Give 1 to 3"),
-        (lambda: Budget(beam=1.5), "beam: it is 1.5. Give a whole number of 0 or more"),
+        (lambda: Budget(beam=1.5), "beam: it is 1.5. Give a whole number of 1 or more"),
+        (lambda: Budget(decimated=0), "decimated: it is 0. Give a whole number of 1 or more"),
+        (lambda: Budget(shakes=-1), "shakes: it is -1. Give a whole number of 0 or more"),
     ],
 )
 def test_a_threshold_that_makes_no_sense_is_refused(make, message):

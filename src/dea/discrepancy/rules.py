@@ -1,8 +1,8 @@
 """The thresholds of the verdict, and the criteria made of them."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -10,6 +10,17 @@ from dea.errors import InputError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+
+_Value = TypeVar("_Value", int, float)
+
+
+def at_least(least: int, default: _Value) -> _Value:
+    """Return a field of thresholds with a ``default`` that may not be below the ``least``.
+
+    Others may be zero.
+    """
+    made: _Value = field(default=default, metadata={"least": least})
+    return made
 
 
 @dataclass(frozen=True)
@@ -90,18 +101,18 @@ class Rules:
     room: float = 0.12
     further: float = 0.03
     second: float = 0.65
-    rival_margin: float = 1.05
+    rival_margin: float = at_least(1, 1.05)
     predictable: float = 0.80
     noise_like: float = 1.5
     negligible: float = 0.05
-    near: float = 2.5
+    near: float = at_least(1, 2.5)
     law_error: float = 0.05
     certain: float = 0.9
     part: float = 0.5
     ahead: float = 0.35
     at_bound: float = 3.0
     likely: float = 0.6
-    poor: float = 1.3
+    poor: float = at_least(1, 1.3)
     detectable: float = 0.2
 
     def __post_init__(self) -> None:
@@ -148,7 +159,7 @@ class Rules:
 
 
 def require_numbers(thresholds: "DataclassInstance") -> None:
-    """Refuse thresholds that are no numbers of 0 or more, or no whole ones where the default is.
+    """Refuse thresholds that are no numbers, too small, or not whole where the default is.
 
     Raises
     ------
@@ -157,11 +168,12 @@ def require_numbers(thresholds: "DataclassInstance") -> None:
     """
     for each in fields(thresholds):
         value, whole = getattr(thresholds, each.name), isinstance(each.default, int)
+        least = each.metadata.get("least", 0)
         number = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
-        if not number or not 0 <= value < inf:
+        if not number or not least <= value < inf:
             kind = "a whole number" if whole else "a number"
             raise InputError(
-                f"it is {value!r}", field=each.name, remedy=f"Give {kind} of 0 or more"
+                f"it is {value!r}", field=each.name, remedy=f"Give {kind} of {least} or more"
             )
 
 

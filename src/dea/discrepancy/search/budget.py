@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from dea.discrepancy.rules import require_numbers
+from dea.discrepancy.rules import at_least, require_numbers
 from dea.errors import InputError
 from dea.simulation import SLOTS
 
@@ -68,19 +68,19 @@ class Budget:
         the screening and ten times the tolerance.
     """
 
-    starts: int = 4
-    finished: int = 6
-    beam: int = 2
+    starts: int = at_least(1, 4)
+    finished: int = at_least(1, 6)
+    beam: int = at_least(1, 2)
     effects: int = 2
     room: float = 0.0
     long_room: float = 0.12
-    offered: int = 8
-    kept: int = 2
-    screening: int = 4
-    first_steps: int = 6
-    last_steps: int = 20
+    offered: int = at_least(1, 8)
+    kept: int = at_least(1, 2)
+    screening: int = at_least(1, 4)
+    first_steps: int = at_least(1, 6)
+    last_steps: int = at_least(1, 20)
     tolerance: float = 1e-4
-    near: float = 2.5
+    near: float = at_least(1, 2.5)
     shakes: int = 4
     shake_above: float = 1.15
     shake_size: float = 0.5
@@ -89,8 +89,8 @@ class Budget:
     exchange_misfit: float = 0.8
     exchange_gain: float = 0.9
     restarted: int = 8
-    decimated: int = 5_000
-    long_record: int = 30_000
+    decimated: int = at_least(1, 5_000)
+    long_record: int = at_least(1, 30_000)
 
     def __post_init__(self) -> None:
         require_numbers(self)
