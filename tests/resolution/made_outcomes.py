@@ -1,5 +1,6 @@
 """What a resolution may have found, without a diagnosis behind it."""
 
+from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,14 +12,14 @@ from dea.resolution.knowledge import WITHOUT_NAME
 from dea.resolution.posterior import Posterior
 
 DRIFTING = "a+baseline_drift"
-PRIOR = {"none": 0.1, "a": 0.4, "b": 0.2, "a+b": 0.1, DRIFTING: 0.1, ANOTHER: 0.1}
+PRIOR = {"none": 0.1, "a": 0.4, "b": 0.2, "a+a": 0.05, "a+b": 0.05, DRIFTING: 0.1, ANOTHER: 0.1}
 
 
 def knowledge(now, status="named", names=("a",), whole=True, reason=None):
     verdict = SimpleNamespace(status=status, names=names, whole=whole)
     diagnosis = SimpleNamespace(verdict=verdict, decision=SimpleNamespace(reason=reason))
     explanations = {
-        name: SimpleNamespace(effects=frozenset(name.split("+")) - {"none"})
+        name: SimpleNamespace(effects=Counter(name.split("+") if name != "none" else ()))
         for name in PRIOR
         if name != ANOTHER
     }

@@ -27,6 +27,10 @@ from dea.stages.resolve import said
         ({DRIFTING: 1.0}, {"reason": Reason.COLOURED}, ResolutionOutcome.DECIDED),
         ({"a": 0.9, "a+b": 0.1}, {"status": "ambiguous"}, ResolutionOutcome.OPEN),
         ({"a": 0.9, "a+b": 0.1}, {"names": ("a", "b")}, ResolutionOutcome.OPEN),
+        # A stop at two places is another explanation than one at a single place.
+        ({"a": 1.0}, {"names": ("a", "a")}, ResolutionOutcome.OPEN),
+        ({"a+a": 1.0}, {"names": ("a", "a")}, ResolutionOutcome.DECIDED),
+        ({"a+a": 1.0}, {}, ResolutionOutcome.PART),
         ({"a": 0.9, "b": 0.1}, {}, ResolutionOutcome.OPEN),
         ({"a": 0.9, "none": 0.1}, {}, ResolutionOutcome.OPEN),
         ({"a": 0.9, ANOTHER: 0.1}, {}, ResolutionOutcome.OPEN),

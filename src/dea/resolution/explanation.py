@@ -1,5 +1,6 @@
 """An explanation of a device: its simulation with effects, and what records tell of it."""
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -41,9 +42,9 @@ class Explanation:
         return "+".join(self.labels) or NONE
 
     @cached_property
-    def effects(self) -> frozenset[str]:
-        """Names of its effects."""
-        return frozenset(a.effect.name for a in self.extended.attached)
+    def effects(self) -> Counter[str]:
+        """How often it holds each effect, by name: a stop may act at two places."""
+        return Counter(a.effect.name for a in self.extended.attached)
 
     @cached_property
     def root(self) -> np.ndarray:

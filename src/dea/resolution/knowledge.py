@@ -1,5 +1,6 @@
 """What is known of a device after some records, and how far the question is decided."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -124,12 +125,12 @@ class Knowledge:
         verdict = self.diagnosis.verdict
         if verdict.status != Status.NAMED or ANOTHER in left:
             return ResolutionOutcome.OPEN
-        named = set(verdict.names)
+        named = Counter(verdict.names)
         held = [self.explanations[name].effects for name in left]
         if not all(named <= effects for effects in held):
             return ResolutionOutcome.OPEN
         if self.diagnosis.decision.reason is Reason.COLOURED:
-            drifts = {each.name for each in catalogue().values() if each.drifts_reading}
+            drifts = Counter(each.name for each in catalogue().values() if each.drifts_reading)
             held += [effects - drifts for effects in held]  # which are that noise
         # Where every hypothesis that is left holds more, what is named is a part of the answer.
         return (

@@ -145,7 +145,7 @@ def _offered(
     verdict = known.verdict
     if ANOTHER in left or verdict.status == Status.UNKNOWN or verdict.whole is False:
         return settings.effects
-    effects = frozenset[str]().union(*(known.explanations[name].effects for name in left))
+    effects = {effect for name in left for effect in known.explanations[name].effects}
     return tuple(sorted(effects)) or settings.effects
 
 
