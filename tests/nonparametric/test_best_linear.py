@@ -133,6 +133,23 @@ def test_realisations_with_other_lines_are_refused():
         best_linear(Periods(u, u, 0.0))
 
 
+@pytest.mark.parametrize("length", [SAMPLES // 2, SAMPLES + SAMPLES // 4])
+def test_an_input_that_does_not_repeat_with_the_period_is_refused(length):
+    """Half a period of an odd multisine is its negative: nothing is left to divide by."""
+    u = multisines(np.random.default_rng(9), 3, 10)
+    cut = u.reshape(3, -1)[:, : 8 * length].reshape(3, 8, length)
+    with pytest.raises(InputError, match=r"period: the input of realisation 1 does not repeat"):
+        best_linear(Periods(cut, cut, 0.0))
+
+
+def test_an_input_may_be_measured_with_noise():
+    rng = np.random.default_rng(10)
+    u = multisines(rng, 6, 4)
+    measured = u + 2e-3 * u.std() * rng.standard_normal(u.shape)
+    found = best_linear(Periods(measured, 2.0 * u, 0.0))
+    np.testing.assert_allclose(np.abs(found.response), 2.0, rtol=5e-3)
+
+
 @pytest.mark.parametrize(("periods", "order"), [(2, 3), (3, 2), (4, 0)])
 def test_the_noise_is_the_scatter_of_repeated_experiments_at_every_line(periods, order):
     """Of a linear system, whose scatter between realisations is noise alone."""

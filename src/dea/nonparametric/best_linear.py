@@ -21,6 +21,9 @@ Lines = NDArray[np.int64]
 
 _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
+# RMS of what differs between the periods of an input, as a part of how it moves: noise of a measured
+# input stays below, a period that is none differs as much as it moves.
+_REPEATED = 0.2
 
 
 class BestLinear(NamedTuple):
@@ -76,13 +79,15 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     Raises
     ------
     InputError
-        If the realisations do not excite the same lines or none, or the drift is not an order.
+        If the input does not repeat from period to period, the realisations do not excite the same
+        lines or none, or the drift is not an order.
     """
     if not isinstance(drift, int | np.integer) or drift < 0:
         raise InputError(
             f"it is {drift!r}", field="drift", remedy="Give the order of a polynomial, 0 or more"
         )
     u, y = periods.u, periods.y
+    _require_repeated(u)
     samples = u.shape[-1]
     spectrum_u = np.fft.rfft(u.mean(axis=1)) / samples
     amplitude = np.abs(spectrum_u)
@@ -112,6 +117,21 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     return BestLinear(
         lines, gains.mean(axis=0), noise, total, count, spectrum_u, output, output_noise
     )
+
+
+def _require_repeated(u: Array) -> None:
+    """Refuse an input, shape (realisations, periods, samples), whose periods are not alike."""
+    differing = np.std(u - u.mean(axis=1, keepdims=True), axis=(1, 2))
+    moving = np.std(u, axis=(1, 2))
+    (apart,) = np.nonzero(differing > _REPEATED * moving)
+    if apart.size:
+        part = differing[apart[0]] / moving[apart[0]]
+        raise InputError(
+            f"the input of realisation {apart[0] + 1} does not repeat with it: between periods"
+            f" {100 * part:.0f} % of its motion differs",
+            field="period",
+            remedy="Give the period of the multisines in s, and number steady-state periods alone",
+        )
 
 
 def without_drift(y: Array, order: int) -> Array:
