@@ -55,6 +55,8 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
         ({"samples": 60}, ["the split needs", "Record longer"]),
         ({"unit": "cm"}, ["output is in 'cm'", "Convert the record"]),
         ({"slope": "40.0 * x[0] + p[1] * u"}, ["runs away at its nominal", "nominal values"]),
+        ({"slope": "1.0 * x[0] + p[1] * u"}, ["its output moves by", "sign of the term"]),
+        ({"slope": "p[0] * (u - x[0])"}, ["does not depend on 'gain'", "Multiply the input by it"]),
         ({"slope": "p[1] * u / x[0]"}, ["derivative of level is not a number", "Check"]),
         ({"slope": "p[1] * u - x[1]"}, ["not declared", "There is 1 state and"]),
         ({"ports": PORTS.replace('drive="gain", ', "")}, ["drive", "worked example"]),

@@ -203,6 +203,20 @@ def test_a_simulation_that_runs_away_is_not_a_number():
         prepared(simulation, np.ones(300), DT, 1e-3)
 
 
+def test_an_output_that_is_not_a_number_is_told_from_a_state_that_runs_away():
+    def falling(x, u, p, dx):
+        dx[0] = -p[0]
+
+    simulation = Simulation(
+        name="rooted", input_unit="V", output_unit="mm", states=(State("level", "mm", 1.0),),
+        parameters=(Parameter("rate", "1/s", 1.0, 1.0),), derivative=falling,
+        output=lambda x, u, p: x[0] ** 0.5, drive="rate",
+        force_ports=(ForcePort("level", "level", None),),
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"rooted: output: it is not a number .* after 1 s"):
+        prepared(simulation, np.ones(300), DT, 1e-3)
+
+
 @pytest.mark.parametrize("name", built_in())
 def test_a_simulation_of_the_study_loads(name):
     simulation = load_simulation(name)

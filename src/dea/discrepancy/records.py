@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 _SHORTER = 4
 # Part of the output's deviation that noise is taken for at least: a fit needs some.
 _LEAST = 1e-6
+# Ranges of the measured output beyond which a simulated one is unstable, and no poor estimate.
+_FAR = 1e6
+# Factor on a parameter that scales the input, which must change the output.
+_SCALED = 1.01
 _DIAGNOSE_A_PART = "Diagnose a part of the record in which it is known"
 # Part by which the sampling intervals of two records may differ.
 SAME_INTERVAL = 1e-6
@@ -125,6 +129,7 @@ def prepare(
         made = _at_every(factor, records, simulation, settings)
     records, joined, seen, noise, tolerance, extended = made
     u, interval = joined.u, joined.interval
+    _require_driven(extended, joined)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
@@ -163,6 +168,31 @@ def prepare(
         lengths=extended.lengths,
     )
     return problem, parts, extended
+
+
+def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
+    """Refuse a simulation whose output grows far beyond what was measured, or ignores a drive."""
+    nominal = extended.values(np.zeros(extended.free.size))
+    y = extended.simulate(nominal, record.u, record.interval)
+    reached, measured = np.abs(y - y[0]), float(np.ptp(record.y))
+    if reached.max() > _FAR * measured:
+        own, after = extended.simulation, record.interval * int(np.argmax(reached))
+        raise own.error(
+            f"at its nominal parameters its output moves by {reached.max():.1g} {own.output_unit} "
+            f"within {after:g} s, where the record's moves by {measured:.3g}",
+            "parameters",
+            "Correct the nominal values, or the sign of the term that grows",
+        )
+    for name in extended.simulation.drives:
+        scaled, at = nominal.copy(), extended.names.index(name)
+        scaled[at] *= _SCALED
+        alike = np.array_equal(extended.simulate(scaled, record.u, record.interval), y)
+        if alike and nominal[at]:
+            raise extended.simulation.error(
+                f"the output does not depend on {name!r}, which is to scale the input",
+                "drive",
+                "Multiply the input by it in the equations, or name the parameter that does",
+            )
 
 
 def _require_outputs(parts: Split, records: Sequence[Samples]) -> None:

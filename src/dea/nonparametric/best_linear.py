@@ -21,8 +21,8 @@ Lines = NDArray[np.int64]
 
 _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
-# RMS of what differs between the periods of an input, as a part of how it moves: noise of a measured
-# input stays below, a period that is none differs as much as it moves.
+# RMS of what differs between the periods of an input, as a part of how it moves: noise that it is
+# measured with stays below; with another period all of it differs.
 _REPEATED = 0.2
 
 

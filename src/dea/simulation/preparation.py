@@ -6,7 +6,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from dea.errors import InputError
 from dea.inputs import by_input
 from dea.simulation.extended import ExtendedSimulation
 from dea.simulation.force_port import ForcePort
@@ -77,19 +76,33 @@ def prepared(
     extended = with_fine_steps(extended, values, u, interval, tolerance)
     if extended.substeps == _SUBSTEPS[-1]:
         extended = _while_settled(extended, values, u, interval, tolerance)
-    y = extended.simulate(values, u, interval)
-    if not np.isfinite(y).all():
-        raise InputError(
-            f"it runs away at its nominal parameters after "
-            f"{interval * np.argmin(np.isfinite(y)):g} s of this input",
-            file=simulation.source or f"simulation {simulation.name}",
-            field="parameters",
-            remedy="Correct the nominal values, or the units of the record's input",
-        )
+    _require_a_run(extended, values, u, interval)
     normalisations = tuple(
         _normalisation(extended, port, values, u, interval) for port in simulation.force_ports
     )
     return replace(extended, normalisations=normalisations, timing_spread=_TIMING * interval)
+
+
+def _require_a_run(
+    extended: ExtendedSimulation, values: np.ndarray, u: np.ndarray, interval: float
+) -> None:
+    """Refuse a simulation that diverges at its nominal parameters, or whose output is no number."""
+    own = extended.simulation
+    y, position = extended.run(values, u, interval)
+    if not np.isfinite(y).all():
+        first = int(np.argmin(np.isfinite(y)))
+        after = f"at its nominal parameters after {interval * first:g} s of this input"
+        if np.isfinite(position[first]):
+            raise own.error(
+                f"it is not a number {after}",
+                "output",
+                "Give a function that is defined wherever the states go",
+            )
+        raise own.error(
+            f"it runs away {after}",
+            "parameters",
+            "Correct the nominal values, or the units of the record's input",
+        )
 
 
 def with_fine_steps(
