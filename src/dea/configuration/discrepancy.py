@@ -107,7 +107,10 @@ class Rules(Section):
         " effects, its error",
         ge=1,
     )
-    predictable: Share = key("part of the error that a flexible model must leave")
+    predictable: Share = key(
+        "part of the error that a flexible model must leave where nothing else is missing, or what"
+        " is left is coloured noise"
+    )
     noise_like: Positive = key(
         "residual up to which it counts as noise if nothing reduces it, and up to which a small"
         " drift of the reading counts as noise",

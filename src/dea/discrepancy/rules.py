@@ -57,7 +57,7 @@ class Rules:
         by the factor alone, and a pair of effects if its error is larger by it.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
-        something else is missing.
+        something else is missing. Nor is such a residual coloured noise.
     noise_like
         Residual, in floors, up to which a residual that no effect and no flexible model
         reduces counts as noise, and up to which a small drift of the reading counts as noise.
@@ -126,6 +126,13 @@ class Rules:
     def needed_gain(self) -> float:
         """Gain (log ratio of errors) that removes ``margin`` of the error."""
         return -float(np.log1p(-self.margin))
+
+    def may_follow(self, effects: int = 1) -> float:
+        """Return the part of coloured noise that may be predicted beside so many effects.
+
+        Several laws leave little of what they do not explain to be seen.
+        """
+        return (1.0 - self.predictable) / max(effects, 1)
 
     def completes(self, error: float, before: float, floor: float) -> bool:
         """Return whether noise alone is left where there was more ``before``."""

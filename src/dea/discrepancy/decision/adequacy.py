@@ -2,7 +2,7 @@
 
 from dea.discrepancy.decision.decision import Reason
 from dea.discrepancy.evidence.certificate import transferable
-from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
+from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -50,8 +50,7 @@ def beside_noise(evidence: Evidence, part: Candidate) -> bool:
     """Return whether a candidate explains most of the gap, and leaves what looks like noise."""
     if share_of(evidence, part.fit).low < evidence.rules.part:
         return False
-    # Several laws leave little of what they do not explain to be seen.
-    most = PREDICTED / len(part.names)
+    most = evidence.rules.may_follow(len(part.names))
     return leaves_coloured_noise(evidence.problem, part.fit, evidence.blocks, most)
 
 

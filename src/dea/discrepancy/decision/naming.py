@@ -50,7 +50,7 @@ def decide(
         if (
             unaffected
             and not beyond_priors(alone)
-            and leaves_coloured_noise(evidence.problem, alone, evidence.blocks)
+            and leaves_coloured_noise(evidence.problem, alone, evidence.blocks, rules.may_follow())
         ):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
@@ -192,9 +192,9 @@ def _nothing_proven(evidence: Evidence) -> Decision:
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.stated_floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
     coloured = not beyond_priors(alone) and is_coloured_noise(
-        problem, alone.residual, evidence.blocks
+        problem, alone.residual, evidence.blocks, rules.may_follow()
     )
     white = unpredictable and is_white(problem, alone.residual)
-    if (coloured or white) and follows_no_force(problem, alone):
+    if (coloured or white) and follows_no_force(problem, alone, rules.may_follow()):
         return Decision(Status.NONE, None, reason=Reason.COLOURED if coloured else Reason.UNEVEN)
     return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)

@@ -24,7 +24,9 @@ def without_small_drift(
         return decision
     if all(a.effect.drifts_reading for a in decision.chosen.fit.extended.attached):
         alone, blocks = evidence.nominal, evidence.blocks
-        if _small(evidence, alone) and leaves_coloured_noise(evidence.problem, alone, blocks):
+        if _small(evidence, alone) and leaves_coloured_noise(
+            evidence.problem, alone, blocks, evidence.rules.may_follow()
+        ):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return decision
     part = _without_drift(decision.chosen, pool)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
-from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
+from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
@@ -31,9 +31,6 @@ from dea.simulation import Effect, Port
 # Leading candidates that are fitted once more with their laws' shapes from the prior, and those of
 # each round whose residuals show the noise floor.
 _SHAPED_ANEW, _SHOWING_NOISE = 2, 3
-# Part that may be predicted of what is taken for coloured noise beside one effect: in more, a
-# second one may hide.
-_BESIDE = PREDICTED / 2
 
 
 @dataclass(frozen=True)
@@ -83,7 +80,9 @@ class Search:
         """
         before = self.problem.seen_rmse(self.nominals[0].residual)
         explains = self.rules.removes_energy(candidate.rmse, before)
-        if explains and leaves_coloured_noise(self.problem, candidate.fit, self.blocks, _BESIDE):
+        # In more than one effect beside it may leave, another one may hide.
+        most = self.rules.may_follow(len(candidate.names) + 1)
+        if explains and leaves_coloured_noise(self.problem, candidate.fit, self.blocks, most):
             return [effect for effect in self.offered if not effect.transferable]
         return self.offered
 
