@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from dea.discrepancy import Problem, Samples
 from dea.discrepancy.fit import fit
 from dea.resolution.error import Error
-from dea.resolution.explanation import Explanation, explained
+from dea.resolution.explanation import Explanation, explanation_of
 from dea.resolution.prediction import predicted
 from dea.simulation import prepared
 from made_carriage import CARRIAGE
@@ -84,7 +84,7 @@ def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
     for _ in range(40):
         y = simulated + root @ rng.standard_normal(u.size)
         problem = Problem(u, y, INTERVAL, seen, none, none, noise=NOISE)
-        found = explained(fit(problem, extended, truth), problem, error)
+        found = explanation_of(fit(problem, extended, truth), problem, error)
         off = (found.mean - truth)[shared]
         within = found.covariance[np.ix_(shared, shared)]
         distances.append(off @ np.linalg.solve(within, off) / off.size)

@@ -23,8 +23,9 @@ class Settings:
     warm_up
         Time (s) at the start of the record that no error counts; at most a fiftieth of it.
     blocks
-        Blocks of the seen samples that are resampled, at most. A block is never shorter than the
-        spacing of the split: blocks shorter than the device's memory are not independent.
+        Blocks of the seen samples that are resampled, about. They are cut about as long as the
+        spacing of the split where that is longer: blocks shorter than the device's memory are not
+        independent.
     noise_margin
         Factor on the estimated noise that fits weigh the record with, since the residual of a
         simulation that misses an effect is larger than the noise.

@@ -79,7 +79,7 @@ def as_problem(record: Samples) -> Problem:
     return Problem(record.u, y, record.interval, measured, nothing, nothing, measured=measured)
 
 
-def explained(fitted: Fit, problem: Problem, error: Error) -> Explanation:
+def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     """Return the explanation that a fit to one record, or several, amounts to.
 
     The fit takes the noise for white, and sees a part of the samples. With its Jacobian J there in

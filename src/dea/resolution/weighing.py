@@ -19,7 +19,7 @@ from dea.discrepancy import (
 )
 from dea.errors import InputError
 from dea.resolution.error import Error
-from dea.resolution.explanation import NONE, Explanation, explained
+from dea.resolution.explanation import NONE, Explanation, explanation_of
 from dea.resolution.knowledge import ANOTHER, WITHOUT_NAME, Inquiry, Knowledge, Options
 from dea.resolution.law_error import Errors, LawError, Motion
 from dea.resolution.posterior import Posterior
@@ -163,10 +163,10 @@ def _explanations(found: Diagnosis) -> dict[str, Explanation]:
     right = [c for c in (*spoken, *others) if misfit(c.rmse, found.floor) <= most]
     candidates = [*spoken, *right] if right else [*spoken, *others]
     problem, error = found.problem, _error(found)
-    explanations = {NONE: explained(found.nominal, problem, error)}
+    explanations = {NONE: explanation_of(found.nominal, problem, error)}
     for candidate in candidates:
         if _name(candidate) not in explanations:
-            explanations[_name(candidate)] = explained(candidate.fit, problem, error)
+            explanations[_name(candidate)] = explanation_of(candidate.fit, problem, error)
     return explanations
 
 

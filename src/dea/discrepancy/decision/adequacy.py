@@ -11,7 +11,7 @@ from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
 
-def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+def suffices(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
     floor, stated, rules = evidence.floor, evidence.stated_floor, evidence.rules
     if chosen.rmse <= rules.clean * stated:
@@ -22,10 +22,10 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     # Several laws together fit almost any residual: what they leave must be noise.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * stated:
         certain = weighed.least_of(chosen) >= rules.certain
-        return certain and leaves_noise(evidence, chosen, weighed)
+        return certain and leaves_only_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
-        return leaves_noise(evidence, chosen, weighed)
+        return leaves_only_noise(evidence, chosen, weighed)
     if left <= 0.5 * rules.misfit * whole:
         return True
     return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
@@ -34,11 +34,11 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
 def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
     """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
     beyond = chosen.rmse > evidence.rules.clean * evidence.stated_floor
-    noise = beyond and leaves_noise(evidence, chosen, weighed)
+    noise = beyond and leaves_only_noise(evidence, chosen, weighed)
     return Reason.COLOURED if noise else None
 
 
-def leaves_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+def leaves_only_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether most of the gap is explained, and the rest is noise that follows nothing.
 
     It is not noise if explanations with a further effect are certain.

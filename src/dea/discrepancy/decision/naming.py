@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.decision.adequacy import borne_out, explained, rest_of, share_of
+from dea.discrepancy.decision.adequacy import borne_out, rest_of, share_of, suffices
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of, same_class
@@ -41,7 +41,7 @@ def decide(
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
     if chosen is None:
         return _nothing_proven(evidence)
-    if not (explained(evidence, chosen, weighed) and each_adds(evidence, chosen, pool)):
+    if not (suffices(evidence, chosen, weighed) and each_adds(evidence, chosen, pool)):
         part = certain_part(evidence, pool, weighed, with_others=True)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
@@ -55,9 +55,9 @@ def decide(
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
-    leaves_noise = chosen.rmse <= rules.clean * evidence.stated_floor
+    is_clean = chosen.rmse <= rules.clean * evidence.stated_floor
     likeliest = next((c for c in weighed.candidates if c.effects != chosen.effects), None)
-    if weighed.least_of(chosen) < (1.0 - rules.certain if leaves_noise else rules.likely):
+    if weighed.least_of(chosen) < (1.0 - rules.certain if is_clean else rules.likely):
         # The evidence is not for all of it, whatever is predicted on blocks left out.
         if likeliest is None:
             return Decision(Status.UNKNOWN, chosen, reason=Reason.NO_EFFECT)
@@ -115,7 +115,7 @@ def _beside_rivals(
             if (
                 candidate.effects == shared
                 and weighed.least_of(candidate) >= evidence.rules.likely
-                and explained(evidence, candidate, weighed)
+                and suffices(evidence, candidate, weighed)
                 and not rivals_of(evidence, candidate, pool)
             ):
                 rest = rest_of(evidence, candidate, weighed)
@@ -143,14 +143,15 @@ def _stands_alone(
     room for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
-    if evidence.nominal_error <= rules.clean * floor or not explained(evidence, surest, weighed):
+    before, stated = evidence.nominal_error, evidence.stated_floor
+    if before <= rules.clean * stated or not suffices(evidence, surest, weighed):
         return False
     if not each_adds(evidence, surest, pool):
         return False
 
     def stands_against(other: Candidate) -> bool:
         if other.effects < surest.effects:
-            return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
+            return not rules.leaves_room(other.rmse, before, floor)
         if len(other.names) != len(surest.names) or other.effects == surest.effects:
             return False
         if len(surest.names) > 1:
@@ -171,8 +172,6 @@ def _stands_alone(
     # A drift or hum of a sensor is common: held-out blocks must show its course in time.
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
-    before = evidence.nominal_error
-    stated = evidence.stated_floor
     complete = before > rules.grow * stated and not rules.leaves_room(surest.rmse, before, stated)
     if complete and not of_readings:
         return borne_out(evidence, surest)
