@@ -160,12 +160,14 @@ def test_how_far_a_reading_bends_is_that_of_what_bent_it():
     y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 0.02)
     low, high = y.min(), y.max()
     bent = y - 0.3 * (y - low) * (high - y) / (high - low)
-    straight = np.polynomial.Polynomial.fit(y, bent, 1)(y)
+    line = np.polynomial.Polynomial.fit(y, bent, 1)
+    straight = line(y)
     largest = (bent - straight)[np.argmax(np.abs(bent - straight))]
     made = Record.of(u, bent + 2e-3 * rng.standard_normal(u.size), 50.0, units=("V", "V"))
     settings = Settings(effects=("sensor_nonlinearity",), budget=SEARCH)
     [effect] = diagnose(made, CARRIAGE, settings=settings).verdict.effects
     assert effect.bend.largest == pytest.approx(largest, rel=0.1)
+    assert effect.bend.slope == pytest.approx(line.convert().coef[1], rel=0.1)
     assert (effect.bend.unit, effect.bend.name, effect.bend.along) == ("V", "reading", "output")
     assert low - 0.05 < effect.bend.at < high + 0.05
 

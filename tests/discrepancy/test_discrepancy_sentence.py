@@ -348,9 +348,12 @@ def test_a_drift_is_told_by_its_ends():
 
 def test_a_curve_of_the_reading_is_told_by_its_bend():
     diagnosis = found(Status.NAMED, "sensor_nonlinearity")
-    bend = Bend("reading", "mm", -0.3187, "output", "mm", 1.2)
+    bend = Bend("reading", "mm", -0.3187, "output", "mm", 1.2, 0.9)
     told = "`sensor_nonlinearity` (reading bent by up to -0.319 mm, at output 1.2 mm) removes"
     curve = replace(named("sensor_nonlinearity"), bend=bend)
+    assert verdict_sentence(diagnosis, [curve]).startswith(told)
+    curve = replace(curve, bend=replace(bend, slope=-0.9))
+    told = "`sensor_nonlinearity` (reading of the opposite sign, bent by up to -0.319 mm, at"
     assert verdict_sentence(diagnosis, [curve]).startswith(told)
 
 

@@ -280,10 +280,13 @@ def test_a_curve_is_told_by_its_bend_above_it():
     said = verdict()
     said["effects"][0]["bend"] = {
         "name": "reading", "unit": "mm", "largest": -0.3187, "along": "output",
-        "unit_along": "mm", "at": 1.2,
+        "unit_along": "mm", "at": 1.2, "slope": 0.9,
     }  # fmt: skip
     ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
     assert ax.get_title("right").splitlines()[1:] == ["bent by up to -0.319 mm"]
+    said["effects"][0]["bend"]["slope"] = -0.9
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[4]
+    assert ax.get_title("right").splitlines()[1:] == ["opposite sign, bent by up to -0.319 mm"]
 
 
 def test_a_law_is_not_drawn_at_samples_that_are_not_used():

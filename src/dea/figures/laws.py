@@ -67,7 +67,8 @@ def tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) ->
     if change := effect.get("change"):
         told.append(f"{change['name']} {change['start']:.3g} to {change['end']:.3g}")
     elif bend := effect.get("bend"):
-        told.append(f"bent by up to {bend['largest']:.3g} {style.raised(bend['unit'])}")
+        turned = "opposite sign, " if bend["slope"] < 0.0 else ""
+        told.append(f"{turned}bent by up to {bend['largest']:.3g} {style.raised(bend['unit'])}")
     else:
         told += [_estimate(name, effect["parameters"][name]) for name in effect["quoted"][:_TOLD]]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)

@@ -248,8 +248,9 @@ def _main(effect: "NamedEffect") -> str:
     bends: their parameters are pieces of a course.
     """
     if (bend := effect.bend) is not None:
+        turned = f"{bend.name} of the opposite sign, " if bend.slope < 0.0 else f"{bend.name} "
         return (
-            f"{bend.name} bent by up to {_sized(bend.largest, bend.unit)}, at "
+            f"{turned}bent by up to {_sized(bend.largest, bend.unit)}, at "
             f"{bend.along} {_sized(bend.at, bend.unit_along)}"
         )
     if (change := effect.change) is not None:

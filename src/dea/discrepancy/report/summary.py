@@ -121,7 +121,8 @@ def _bend(found: "Diagnosis", index: int) -> Bend | None:
     if course is None:
         return None
     along, value = course.along.values[found.problem.seen], course.value.values[found.problem.seen]
-    departure = value - np.polynomial.Polynomial.fit(along, value, 1)(along)
+    line = np.polynomial.Polynomial.fit(along, value, 1)
+    departure = value - line(along)
     most = int(np.argmax(np.abs(departure)))
     return Bend(
         course.value.name,
@@ -130,6 +131,7 @@ def _bend(found: "Diagnosis", index: int) -> Bend | None:
         course.along.name,
         course.along.unit,
         float(along[most]),
+        float(line.deriv()(0.0)),
     )
 
 

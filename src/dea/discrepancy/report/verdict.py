@@ -46,7 +46,7 @@ class Change:
 class Bend:
     """How far a curve departs from the straight line fitted to it, at most, and where it does.
 
-    ``largest`` is in ``unit``, the place ``at`` in ``unit_along``.
+    ``largest`` is in ``unit``, the place ``at`` in ``unit_along``; ``slope`` is that of the line.
     """
 
     name: str
@@ -55,6 +55,7 @@ class Bend:
     along: str
     unit_along: str
     at: float
+    slope: float
 
 
 @dataclass(frozen=True)
