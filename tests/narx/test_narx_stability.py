@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
 from dea.narx.rest import _nearest, rests_over
 from dea.narx.simulation import bounded, simulate
-from dea.narx.stability import StabilityTest, time_constant
+from dea.narx.stability import Stability, StabilityTest, time_constant
 from dea.narx.surrogates import phase_randomised, same_class
 from dea.terms import Term
 
@@ -197,3 +199,18 @@ def test_a_model_in_physical_units_is_tried_at_the_level_of_its_record():
     report, other = centred.stability(u, y), raised.stability(u, z)
     assert (report.holds, report.runs) == (other.holds, other.runs) == ((20, 20), (100, 100))
     np.testing.assert_allclose(other.outputs - 30.0, report.outputs, atol=1e-9)
+
+
+def test_inputs_without_a_rest_are_told_beside_the_poles_of_the_others():
+    """An integrator with a leak too small to come to rest within the range of its record."""
+    poles = np.array([0.9992, np.inf, np.inf])
+    report = Stability(
+        np.array([0.0, 1.0, 2.0]), np.array([0.0, np.nan, np.nan]), poles,
+        (1, 3), (0, 10), (0, 10), 600,
+    )  # fmt: skip
+    assert str(report).startswith(
+        "unstable: no rest at 2 of 3 constant inputs, largest pole 0.99920 (at an input of 0, "
+        "time constant 1249 samples); 1 of 3 holds bounded"
+    )
+    nowhere = replace(report, poles=np.full(3, np.inf))
+    assert str(nowhere).startswith("unstable: no rest at 3 of 3 constant inputs; 1 of 3")

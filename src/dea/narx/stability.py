@@ -131,7 +131,19 @@ class Stability:
 
     def __str__(self) -> str:
         """Return the report in one line."""
-        worst = np.ravel(self.inputs[int(np.argmax(self.poles))])
+        at_rest = np.isfinite(self.poles)
+        told = []
+        if not at_rest.all():
+            without = np.count_nonzero(~at_rest)
+            told.append(f"no rest at {without} of {at_rest.size} constant inputs")
+        if at_rest.any():
+            at = int(np.argmax(np.where(at_rest, self.poles, -1.0)))
+            pole, level = float(self.poles[at]), np.ravel(self.inputs[at])
+            told.append(
+                f"largest pole {pole:.5f} (at an input of "
+                f"{', '.join(f'{each:.4g}' for each in level)}, "
+                f"time constant {time_constant(pole):.4g} samples)"
+            )
         counts = (
             f"{kept} of {tried} {name} bounded"
             for name, (kept, tried) in (
@@ -140,11 +152,7 @@ class Stability:
                 ("phase-randomised inputs", self.surrogates),
             )
         )
-        return (
-            f"{self.status}: largest pole {self.largest_pole:.5f} (at an input of "
-            f"{', '.join(f'{level:.4g}' for level in worst)}, "
-            f"time constant {self.slowest:.4g} samples); {', '.join(counts)}"
-        )
+        return f"{self.status}: {', '.join(told)}; {', '.join(counts)}"
 
 
 def time_constant(modulus: float) -> float:
