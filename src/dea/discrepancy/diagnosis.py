@@ -62,12 +62,20 @@ class Diagnosis:
 
     Parameters
     ----------
-    problem
-        The record, with the floor as its noise.
+    problem, split
+        The record, with the floor as its noise, and how it was split.
     nominal, extended
         The simulation as it was, refitted, and with the effects that are named.
-    pool
-        The best candidate of every effect set tried, best first.
+    singles, pool
+        The single effects with their gains, and the best candidate of every effect set tried, best
+        first.
+    decision
+        Status, effects and reason, which the certified samples have not contradicted.
+    ladder, where, confusion
+        What each named effect contributes, where the residual is concentrated, and which of the
+        leading effects this record would confuse.
+    certificate
+        Errors before and after on samples and records that chose nothing.
     noise_floor, coloured_level
         Levels of white noise and of the coloured noise beyond it, in the output's unit.
     floor, stated_floor
@@ -83,6 +91,8 @@ class Diagnosis:
         Part of the held-out misfit that the extension removes; none where nothing is attached.
     force
         The smooth force that predicts most of the simulation's residual, where that is unknown.
+    rules
+        Thresholds that the decision was made with.
     not_offered
         Effects of the catalogue that were never tried, and why.
     """

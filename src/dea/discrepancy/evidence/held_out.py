@@ -35,7 +35,9 @@ class HeldOut:
         self._spread: dict[tuple[Fit, bool], np.ndarray] = {}
 
     def residual(self, fitted: Fit, beside: Fit | None = None) -> np.ndarray:
-        """Return the held-out residual of a fit, shape (n,); that of all where none is held out.
+        """Return the held-out residual of a fit, shape (n,).
+
+        Samples in no fold keep the residual of the fit to all.
 
         Where it is compared with one ``beside``, the same blocks are held out of both: short ones
         if either has a course in time.

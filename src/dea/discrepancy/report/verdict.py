@@ -106,10 +106,27 @@ class NamedEffect:
 class Verdict:
     """The outcome of a diagnosis; ``sentence`` says all of it in plain words.
 
+    Errors and levels are RMS values in ``unit``, that of the output.
+
     Parameters
     ----------
+    status
+        ``named``, ``ambiguous``, ``none`` or ``unknown``.
+    effects
+        Those that are named, or lead; with their rivals.
+    where
+        Where the residual is concentrated before and after, in words and as numbers.
     noise_floor, coloured_level
         Level of the white noise, and of the coloured noise beyond it where there is any.
+    certified
+        Errors before and after on samples, and on records, that chose nothing.
+    ladder
+        Held-out errors of the simulation alone and with one named effect more at a time, and the
+        noise levels below them.
+    equation
+        Sparse equation of what is not explained, where something is missing that has no name.
+    not_identifiable
+        Effects that this record could not show.
     whole
         Whether the named effects are all of the answer, or a certain part of it; ``None`` where no
         effect is named.
