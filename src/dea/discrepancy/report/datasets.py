@@ -12,6 +12,7 @@ from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.store import Described, Role, variable
 
+_FINISHED = "whether fitted to the end, and not as well without its essential parameter"
 _GAIN = "log ratio of RMSE without and with it, held-out; of unfinished ones where they were fitted"
 
 
@@ -52,7 +53,7 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
                 _shares_alone(diagnosis), "1", "part of the held-out gap that it removes alone"
             ),
             "error": column([c.error for c in singles], unit, "RMSE, charged for parameters"),
-            "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
+            "finished": column([c.finished for c in singles], "1", _FINISHED),
             "visible": column(
                 [v.size for v in visible],
                 "1",
