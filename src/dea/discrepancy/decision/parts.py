@@ -1,6 +1,8 @@
 """Which effects of an answer are certain, and whether each of several is needed."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -9,8 +11,9 @@ from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.rules import misfit
+from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate, EffectSet
+from dea.simulation import Family
 
 
 def certain_part(
@@ -31,67 +34,94 @@ def certain_part(
     its families, and none may be a course in time, which follows whatever else is slow. A larger
     certain set is returned where it passes for its further effects.
     """
-    rules, floor = evidence.rules, evidence.stated_floor
-    sure = weighed.sure(rules.certain)
+    sure = weighed.sure(evidence.rules.certain)
     finished = [c for c in pool if c.finished]
-    best = min((c.rmse for c in finished), default=0.0)
-    families = {
-        name: a.effect.family
-        for c in finished
-        for name, a in zip(c.counted, c.fit.extended.attached, strict=True)
-    }
+    tests = _PartTests(evidence, finished, with_others)
+    certain = sorted(
+        (c for c in finished if c.effects <= sure), key=lambda c: (len(c.effects), c.error)
+    )
+    part = next((c for c in certain if tests.needed(c) and tests.removes_most(c)), None)
+    if part is None:
+        return None
+    wider = (c for c in certain if c.effects > part.effects and tests.needed(c, part.effects))
+    return next(wider, part)
 
-    def best_with(part: Candidate) -> Candidate:
-        return min((c for c in finished if c.effects >= part.effects), key=lambda c: c.rmse)
 
-    def far_behind(others: Iterable[Candidate], part: Candidate) -> bool:
+@dataclass(frozen=True)
+class _PartTests:
+    """Tests of a part of the answer against all that was ``finished``."""
+
+    evidence: Evidence
+    finished: Sequence[Candidate]
+    with_others: bool
+
+    @property
+    def _rules(self) -> Rules:
+        return self.evidence.rules
+
+    @cached_property
+    def _least(self) -> float:
+        """The error of the best explanation."""
+        return min((c.rmse for c in self.finished), default=0.0)
+
+    @cached_property
+    def _families(self) -> dict[str, Family]:
+        """The family of each effect."""
+        return {
+            name: a.effect.family
+            for c in self.finished
+            for name, a in zip(c.counted, c.fit.extended.attached, strict=True)
+        }
+
+    def needed(self, part: Candidate, given: EffectSet = frozenset()) -> bool:
+        """Return whether the answer holds each effect of a part that is not ``given``."""
+        further = part.effects - given
+        return (
+            all(self._ahead(part, name, given) for name in further)
+            and self._unrivalled(part)
+            and each_adds(self.evidence, part, self.finished)
+        )
+
+    def removes_most(self, part: Candidate) -> bool:
+        """Return whether a part surely removes most of the gap, alone or with others."""
+        rules = self._rules
+        alone = share_of(self.evidence, part.fit).low
+        if alone >= rules.part:
+            return True
+        if not (self.with_others and alone > rules.law_error and transferable(part.fit.extended)):
+            return False
+        without = (c for c in self.finished if not c.effects >= part.effects)
+        whole = share_of(self.evidence, self._best_with(part).fit).low
+        return self._far_behind(without, part) and whole >= rules.part
+
+    def _best_with(self, part: Candidate) -> Candidate:
+        return min((c for c in self.finished if c.effects >= part.effects), key=lambda c: c.rmse)
+
+    def _far_behind(self, others: Iterable[Candidate], part: Candidate) -> bool:
         """Return whether all others leave much more than the best explanation with the part."""
-        within, least = best_with(part).rmse, min((c.rmse for c in others), default=np.inf)
-        return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(least, floor)
+        floor = self.evidence.stated_floor
+        within, least = self._best_with(part).rmse, min((c.rmse for c in others), default=np.inf)
+        return misfit(within, floor) <= (1.0 - self._rules.ahead) * misfit(least, floor)
 
-    def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
+    def _ahead(self, part: Candidate, name: str, given: EffectSet) -> bool:
         """Return whether every explanation without the family leaves much more, and none less.
 
         The effects ``given`` may be in these.
         """
-        kin = {other for other, family in families.items() if family is families[name]} - given
-        without = (c for c in finished if not c.effects & kin)
-        return far_behind(without, part) and rules.as_good(best_with(part).rmse, best, floor)
-
-    def removes_most(part: Candidate) -> bool:
-        alone = share_of(evidence, part.fit).low
-        if alone >= rules.part:
-            return True
-        if not (with_others and alone > rules.law_error and transferable(part.fit.extended)):
-            return False
-        without = (c for c in finished if not c.effects >= part.effects)
-        return (
-            far_behind(without, part) and share_of(evidence, best_with(part).fit).low >= rules.part
+        family = self._families[name]
+        kin = {other for other, its in self._families.items() if its is family} - given
+        without = (c for c in self.finished if not c.effects & kin)
+        floor = self.evidence.stated_floor
+        return self._far_behind(without, part) and self._rules.as_good(
+            self._best_with(part).rmse, self._least, floor
         )
 
-    def unrivalled(part: Candidate) -> bool:
+    def _unrivalled(self, part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
-        others = (c for c in finished if len(c.effects) == len(part.effects) > 1)
+        others = (c for c in self.finished if len(c.effects) == len(part.effects) > 1)
         return all(
-            c.effects == part.effects or not rules.nearly(c.error, part.error) for c in others
+            c.effects == part.effects or not self._rules.nearly(c.error, part.error) for c in others
         )
-
-    def needed(part: Candidate, given: EffectSet = frozenset()) -> bool:
-        further = part.effects - given
-        return (
-            all(ahead(part, name, given) for name in further)
-            and unrivalled(part)
-            and each_adds(evidence, part, pool)
-        )
-
-    certain = sorted(
-        (c for c in finished if c.effects <= sure), key=lambda c: (len(c.effects), c.error)
-    )
-    part = next((c for c in certain if needed(c) and removes_most(c)), None)
-    if part is None:
-        return None
-    wider = (c for c in certain if c.effects > part.effects and needed(c, part.effects))
-    return next(wider, part)
 
 
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
