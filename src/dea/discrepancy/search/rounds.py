@@ -1,13 +1,13 @@
 """A round of the search: every effect on top of one simulation, the best fitted to the end."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.parallel import in_parallel
+from dea.discrepancy.parallel import Item, Result, in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
@@ -57,79 +57,118 @@ def extend_by_each(
 
     ``bases`` are fits of that simulation to start from; the first is the one to beat.
     """
-    before = bases[0]
-    kept, count, polished = budget.kept, round(_SECOND * budget.finished), 1
-    first = not before.extended.attached
-    beside = " and ".join(map(before.extended.label, before.extended.attached)) or "the simulation"
-    if first:
-        kept = int(np.clip(_SHORT // problem.size, kept, _MOST_KEPT))
-        count, polished = budget.finished, _POLISHED
-    offers, skipped = _offers(problem, before, effects)
-    prepared = [Base.of(problem, each) for each in bases]
-    starts = in_parallel(
-        lambda offer: promising(problem, prepared, offer, kept),
-        offers,
-        workers,
-        f"starting points of each effect beside {beside}",
-    )
-    offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
-    without_start = [offer for offer, own in zip(offers, starts, strict=True) if not own]
-    skipped += _refused(before, without_start, Obstacle.NO_START)
-    if not first:
-        offered = sorted(offered, key=lambda pair: pair[1][0].left)[: budget.offered]
-    spent = (kept, budget.screening)
-    screened = in_parallel(
-        lambda pair: screen(problem, prepared[0], *pair, spent),
-        offered,
-        workers,
-        f"first steps of each effect beside {beside}",
-    )
-
-    unstable = [offer for (offer, _), fits in zip(offered, screened, strict=True) if not fits]
-    skipped += _refused(before, unstable, Obstacle.UNSTABLE)
-
-    def error(candidate: Fit) -> float:
-        return problem.seen_rmse(candidate.residual)
-
-    stable: dict[str, list[Fit]] = {}
-    for fits in sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0])):
-        # An effect may be offered upstream and downstream of another; the better place goes on.
-        stable.setdefault(fits[0].extended.label(fits[0].extended.attached[-1]), fits)
-    leaders = list(stable.values())
-    ahead = in_parallel(
-        lambda fits: min(
-            (
-                refine(problem, each, budget.first_steps, tolerance=budget.tolerance)
-                for each in fits[:_RUNNERS_UP]
-            ),
-            key=error,
-        ),
-        leaders[:count],
-        workers,
-        f"fits of the leading effects beside {beside}",
-    )
-    limit = budget.near * min(map(error, ahead), default=0.0)
-    near = [each for each in ahead if error(each) <= limit]
-    finished = in_parallel(
-        lambda each: refine(
-            problem, _with_fine_steps(problem, each), budget.last_steps, tolerance=budget.tolerance
-        ),
-        near,
-        workers,
-        f"final fits of the leading effects beside {beside}",
-    )
-    finished.sort(key=error)
-    finished[:polished] = in_parallel(
-        lambda each: _polished(problem, each, budget),
-        finished[:polished],
-        workers,
-        f"last fits of the best effects beside {beside}",
-    )
-    finished += [each for each in ahead if error(each) > limit]
+    made = _Extending(problem, bases, budget, workers)
+    leaders, skipped = made.screened(effects)
+    finished = made.finished(leaders[: made.count])
     candidates = [judged(problem, each) for each in finished]
-    candidates += [judged(problem, fits[0], finished=False) for fits in leaders[count:]]
+    candidates += [judged(problem, fits[0], finished=False) for fits in leaders[made.count :]]
     candidates.sort(key=lambda c: c.error)
-    return Round(before, tuple(candidates), never_tried(dict.fromkeys(skipped), candidates))
+    return Round(bases[0], tuple(candidates), never_tried(dict.fromkeys(skipped), candidates))
+
+
+@dataclass(frozen=True)
+class _Extending:
+    """A round in the making: what it extends, and what it spends on that."""
+
+    problem: Problem
+    bases: Sequence[Fit]
+    budget: Budget
+    workers: int
+
+    @property
+    def _before(self) -> Fit:
+        return self.bases[0]
+
+    @property
+    def _first(self) -> bool:
+        """Whether nothing is attached yet."""
+        return not self._before.extended.attached
+
+    @property
+    def count(self) -> int:
+        """Candidates that are fitted to the end."""
+        return self.budget.finished if self._first else round(_SECOND * self.budget.finished)
+
+    @property
+    def _kept(self) -> int:
+        """Fits of one effect that go on after the screening."""
+        if not self._first:
+            return self.budget.kept
+        return int(np.clip(_SHORT // self.problem.size, self.budget.kept, _MOST_KEPT))
+
+    def _error(self, fitted: Fit) -> float:
+        return self.problem.seen_rmse(fitted.residual)
+
+    def _each(
+        self, attempt: Callable[[Item], Result], items: Sequence[Item], step: str
+    ) -> list[Result]:
+        extended = self._before.extended
+        beside = " and ".join(map(extended.label, extended.attached)) or "the simulation"
+        return in_parallel(attempt, items, self.workers, f"{step} beside {beside}")
+
+    def screened(self, effects: Sequence[Effect]) -> tuple[list[list[Fit]], list[NotOffered]]:
+        """Return the fits of each effect after a few steps, best first, and what has none."""
+        problem, before = self.problem, self._before
+        offers, skipped = _offers(problem, before, effects)
+        prepared = [Base.of(problem, each) for each in self.bases]
+        starts = self._each(
+            lambda offer: promising(problem, prepared, offer, self._kept),
+            offers,
+            "starting points of each effect",
+        )
+        offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
+        without_start = [offer for offer, own in zip(offers, starts, strict=True) if not own]
+        skipped += _refused(before, without_start, Obstacle.NO_START)
+        if not self._first:
+            offered = sorted(offered, key=lambda pair: pair[1][0].left)[: self.budget.offered]
+        spent = (self._kept, self.budget.screening)
+        screened = self._each(
+            lambda pair: screen(problem, prepared[0], *pair, spent),
+            offered,
+            "first steps of each effect",
+        )
+        unstable = [offer for (offer, _), fits in zip(offered, screened, strict=True) if not fits]
+        skipped += _refused(before, unstable, Obstacle.UNSTABLE)
+        stable: dict[str, list[Fit]] = {}
+        for fits in sorted((f for f in screened if f), key=lambda fits: self._error(fits[0])):
+            # An effect may be offered upstream and downstream of another; the better place goes on.
+            stable.setdefault(fits[0].extended.label(fits[0].extended.attached[-1]), fits)
+        return list(stable.values()), skipped
+
+    def finished(self, leaders: Sequence[Sequence[Fit]]) -> list[Fit]:
+        """Return the leaders fitted to the end: those near the best in more steps, it in most."""
+        problem, budget = self.problem, self.budget
+        ahead = self._each(
+            lambda fits: min(
+                (
+                    refine(problem, each, budget.first_steps, tolerance=budget.tolerance)
+                    for each in fits[:_RUNNERS_UP]
+                ),
+                key=self._error,
+            ),
+            leaders,
+            "fits of the leading effects",
+        )
+        limit = budget.near * min(map(self._error, ahead), default=0.0)
+        near = [each for each in ahead if self._error(each) <= limit]
+        finished = self._each(
+            lambda each: refine(
+                problem,
+                _with_fine_steps(problem, each),
+                budget.last_steps,
+                tolerance=budget.tolerance,
+            ),
+            near,
+            "final fits of the leading effects",
+        )
+        finished.sort(key=self._error)
+        polished = _POLISHED if self._first else 1
+        finished[:polished] = self._each(
+            lambda each: _polished(problem, each, budget),
+            finished[:polished],
+            "last fits of the best effects",
+        )
+        return finished + [each for each in ahead if self._error(each) > limit]
 
 
 def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[NotOffered]:
