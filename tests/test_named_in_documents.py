@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -19,6 +21,8 @@ PAGES = sorted(
 SECTIONS = {"rules": Rules, "budget": Budget, "resolution": Resolution}
 FOLDERS = ("benchmarks", "config", "docs", "examples", "src", "tests", "workflow")
 CODE = re.compile(r"`([^`]+)`")
+# An attribute of the library, as `dea.progress.heard_by`; not `python -m dea.progress`.
+ATTRIBUTE = re.compile(r"(?<![\w./-])(?<!-m )dea(?:\.[A-Za-z]\w*)+")
 NAME_IN_FILE = re.compile(r"`(\w+)`\s+(?:of|in)\s+`([\w./]+\.py)`")
 # Segments that stand for a name of the reader's own: `config/cases/mine.yaml`, `tables/NAME.py`.
 PLACEHOLDER = re.compile(r"\bmine\b|\b[A-Z]{2,}\b")
@@ -104,3 +108,38 @@ def test_what_a_document_names_exists(page):
 )
 def test_what_does_not_exist_is_found(name):
     assert list(missing(f"This is {name}.\n"))
+
+
+def attributes(text):
+    """What the code of a text names of the library."""
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    return {name for code in [*in_code(text), *blocks] for name in ATTRIBUTE.findall(code)}
+
+
+NO_ATTRIBUTE = """
+import sys
+from operator import attrgetter
+
+import dea
+
+for name in sys.argv[1:]:
+    try:
+        attrgetter(name.removeprefix("dea."))(dea)
+    except AttributeError as error:
+        print(name, error)
+"""
+
+
+def test_what_the_documents_name_of_the_library_is_there_after_importing_it_alone():
+    named = set().union(*(attributes(page.read_text()) for page in PAGES))
+    assert {"dea.progress.heard_by", "dea.sklearn.NarxRegressor", "dea.diagnose"} <= named
+    amiss = subprocess.run(
+        [sys.executable, "-c", NO_ATTRIBUTE, *sorted(named), "dea.no_room", "dea.narx.no_name"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert [line.split()[0] for line in amiss.stdout.splitlines()] == [
+        "dea.no_room",
+        "dea.narx.no_name",
+    ]

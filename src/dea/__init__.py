@@ -1,9 +1,11 @@
 """Identify, track and explain dielectric elastomer actuators from their records.
 
-The names below are loaded on first use, so that a small job imports only its own room.
+The names below, and the rooms themselves (``dea.progress``), are loaded on first use, so that a
+small job imports only its own room.
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from dea.compiled import keep_compiled_functions
@@ -83,9 +85,11 @@ _ROOM_OF = {
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _ROOM_OF:
+    if name in _ROOM_OF:
+        return getattr(import_module(_ROOM_OF[name]), name)
+    if name.startswith("_") or find_spec(f"dea.{name}") is None:
         raise AttributeError(f"module 'dea' has no attribute {name!r}")
-    return getattr(import_module(_ROOM_OF[name]), name)
+    return import_module(f"dea.{name}")
 
 
 def __dir__() -> list[str]:
