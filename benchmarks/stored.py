@@ -43,6 +43,15 @@ def store(name: str, command: str, values: Mapping[str, Any], made_at: str = "")
     return file
 
 
+def stored(name: str) -> dict[str, Any]:
+    """Return the values that :func:`store` has kept under a name; none where there is no file."""
+    file = FOLDER / f"{name}.json"
+    if not file.exists():
+        return {}
+    values: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))["values"]
+    return values
+
+
 def command(target: str, **given: object) -> str:
     """Return the command that makes and keeps a campaign again: its target, and what it is given.
 

@@ -1,7 +1,7 @@
 """What the documents quote of a campaign is what its scores and its jobs' times say."""
 
 import pytest
-from benchmarks.trials import measured
+from benchmarks.trials import counts, measured, together, with_one_more
 from made_trials import FAMILY, campaign
 
 from dea import store
@@ -28,3 +28,37 @@ def test_a_campaign_is_kept_with_its_table_and_the_time_of_a_trial(tmp_path, fir
     assert kept["seconds"] == pytest.approx({"draw": 1.0, "diagnose": 10.0})
     assert kept["table"][0].startswith("| measure")
     assert len(kept["table"]) == 2 + found.sizes["measure"]
+
+
+def test_campaigns_on_the_present_forms_are_added_up():
+    def of(first, size):
+        labels, verdicts = (
+            {f"{int(name) + first:04d}": each for name, each in found.items()}
+            for found in campaign(size)
+        )
+        return scores(labels, verdicts, FAMILY)
+
+    one, other = of(1472, 60), of(1532, 21)
+    assert with_one_more([], of(1471, 9), "a") == []  # on former forms
+    kept = with_one_more(with_one_more([], other, "b"), one, "a")
+    assert [(each["first"], each["last"], each["commit"]) for each in kept] == [
+        (1472, 1531, "a"),
+        (1532, 1552, "b"),
+    ]
+    again = with_one_more(kept, of(1540, 9), "c")  # replaces the one that it shares trials with
+    assert [each["commit"] for each in again] == ["a", "c"]
+    found = together(kept)
+    for name, (number, trials) in counts(one).items():
+        more = counts(other)[name]
+        assert (found[name]["number"], found[name]["trials"]) == (
+            number + more[0],
+            trials + more[1],
+        )
+        assert found[name]["low"] <= found[name]["value"] <= found[name]["high"]
+    outcomes, kinds = one["outcome"].values, one["kind"].values
+    assert counts(one)["right name"] == [
+        int(((kinds == "single") & (outcomes == "right name")).sum()),
+        int((kinds == "single").sum()),
+    ]
+    nothing = one["status"].values[kinds == "null"]
+    assert counts(one)["name given on nothing"] == [int((nothing == "named").sum()), nothing.size]
