@@ -1,5 +1,6 @@
 """A controller that gives the voltage of each sample, behind the guardian of any acquisition."""
 
+import re
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dea import modbus
 from dea.acquisition import (
     AcquisitionSettings,
     ClosedLoop,
@@ -25,6 +27,7 @@ SETTINGS = AcquisitionSettings(
 )
 DEVICE = read_device(DESCRIPTION)
 SAMPLES = 60
+DOCUMENT = Path(__file__).parents[2] / "docs" / "acquisition.md"
 
 
 class Law:
@@ -53,6 +56,22 @@ def test_each_voltage_is_the_answer_to_the_sample_before(serve_bench, tmp_path):
     before = bench.displacement[record.device_index.values[0] - 1]
     assert law.measured[0] == pytest.approx(to_physical(DEVICE["displacement"], before))
     assert bench.applied[-1] == 0
+
+
+def test_the_example_of_the_documentation_drives_within_its_limits(
+    serve_bench, tmp_path, monkeypatch
+):
+    bench = serve_bench()
+    monkeypatch.setattr(modbus, "read_device", lambda _: bench.endpoint)
+    monkeypatch.chdir(tmp_path)
+    text = DOCUMENT.read_text().split("<!-- closed loop")[1]
+    example = re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1)
+    names = {}
+    exec(example.replace('mode="polled"', 'mode="polled", ramp_rate=50.0, paced=False'), names)
+    record = names["acquired"].record
+    assert record.sizes["time"] == 500
+    assert float(record["displacement"][-1]) > 0.8
+    assert float(record["voltage"][-1]) == pytest.approx(1.1, abs=1e-3)
 
 
 def test_a_paced_loop_keeps_its_deadlines_too(serve_bench, tmp_path):
