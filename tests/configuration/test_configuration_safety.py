@@ -1,11 +1,16 @@
 """Device descriptions that would drive a device dangerously, each refused by its key."""
 
+import re
+from pathlib import Path
+
 import pytest
+import yaml
 
 from changed_content import changed
 from dea.configuration.device import DeviceDescription
 from dea.configuration.problems import validated
 from dea.errors import InputError
+from dea.modbus import read_device
 
 GOOD = {
     "name": "amplifier",
@@ -32,6 +37,7 @@ GOOD = {
         "heartbeat": {"name": "alive", "period": 0.5},
     },
 }
+DOCUMENT = Path(__file__).parents[2] / "docs" / "acquisition.md"
 BLOCKS = {"address": 100, "count": 55, "access": "read_write"}
 
 
@@ -47,6 +53,20 @@ def test_signals_with_registers_of_their_own_are_accepted():
     validated(DeviceDescription, good_but({}))
     validated(DeviceDescription, good_but({"safety.enable": {"name": "switch", "on": 32767}}))
     validated(DeviceDescription, good_but({"registers.device_index": {"address": 5}}))
+
+
+def test_the_example_of_the_documentation_is_read(tmp_path):
+    example = re.search(r"```yaml\n(safety:.*?)```", DOCUMENT.read_text(), re.DOTALL).group(1)
+    registers = dict(GOOD["registers"])
+    for key, name in (("voltage", "high_voltage"), ("door", "door_closed"), ("door", "trip")):
+        registers[name] = {**GOOD["registers"][key], "address": 30 + len(registers)}
+    description = {**GOOD, "registers": registers}
+    del description["safety"]
+    file = tmp_path / "device.yaml"
+    file.write_text(yaml.safe_dump(description) + example)
+    safety = read_device(file).safety
+    assert (safety.enable.on, safety.enable.off) == (1, 0)
+    assert (safety.film.thickness, safety.current.limit) == (50.0, 3e-4)  # µm, A
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,16 @@ import yaml
 from dea.errors import InputError
 
 _REMEDY = "Correct that line or the one before it; indent with spaces, not tabs."
+_TRUTH, _TEXT = "tag:yaml.org,2002:bool", "tag:yaml.org,2002:str"
 _KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
 
 
 class _Loader(yaml.CSafeLoader):
     """Refuses a key that is given twice, of which YAML would keep the last.
 
-    It also says where a value is that looks like a number or a date and is none. The notes of its
-    errors are remedies.
+    Keys are text: ``on`` and ``off``, which YAML 1.1 takes for truth values, are keys of
+    ``safety``. Where a value looks like a number or a date and is none, an error says where it is.
+    The notes of its errors are remedies.
     """
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
@@ -36,6 +38,8 @@ class _Loader(yaml.CSafeLoader):
         seen = set()
         for key, _ in node.value:
             if isinstance(key, yaml.ScalarNode):
+                if key.tag == _TRUTH:
+                    key.tag = _TEXT
                 if (key.tag, key.value) in seen:
                     raise yaml.MarkedYAMLError(
                         problem=f"the key {key.value!r} is given twice",
