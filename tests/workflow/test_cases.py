@@ -209,12 +209,14 @@ def test_a_measured_record_runs_from_end_to_end(project):
 @pytest.mark.parametrize(
     ("name", "bounds"),
     [
-        # Reached 0.344, 0.188, 0.291 and 0.28e-3, 0.42e-3, 0.62, 0.23; the margin is for what
-        # another processor's rounding does to a search.
+        # Reached 0.344, 0.188, 0.291, 0.141 and 0.28e-3, 0.42e-3, 1.25, 0.62, 0.23; the margin is
+        # for what another processor's rounding does to a search.
         ("cascaded_tanks", {"validation": 0.413}),
         ("coupled_drives_1", {"rest": 0.25}),
         ("coupled_drives_2", {"rest": 0.35}),
+        ("coupled_drives_3", {"rest": 0.19}),
         ("silverbox", {"multisine": 0.35e-3, "arrow": 0.60e-3}),
+        ("piezo_stage", {"second_fall": 1.6}),
         ("two_heaters_1", {"held_out": 0.8}),
         ("two_heaters_2", {"held_out": 0.3}),
     ],
@@ -223,31 +225,27 @@ def test_free_runs_on_unseen_records_stay_below(name, bounds):
     case = yaml.safe_load((CASES / f"{name}.yaml").read_text())
     model = identified(case)
     for part, bound in bounds.items():
-        u, y = signals(case["test_records"][part])
+        test = signals(case["test_records"][part])
         start = model.max_lag
-        assert rmse(y[start:], model.simulate(u, y)[start:]) < bound
+        assert rmse(test.y[start:], model.simulate(test.u, test.y)[start:]) < bound
 
 
 def signals(record):
-    """Input and output of a record of a case, read from where the tests find it."""
+    """A record of a case, read from where the tests find it."""
     imported = store.import_record(
         record | {"file": record["file"].removeprefix("data/")}, CASES, DATA
     )
-    found = store.signals(imported)
-    return found.u, found.y
+    return store.signals(imported)
 
 
 def identified(case):
     """The case's model, as the stage selects it."""
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
     settings = config["identification"] | case["identification"]
-    u, y = signals(case["record"])
-    record = case["record"]
-    samples = round(
-        settings.pop("length") / record.get("sampling_interval", record.get("resample"))
-    )
+    record = signals(case["record"])
+    samples = round(settings.pop("length") * record.sampling_rate)
     assert settings["start"] == 0
-    return select_terms(u[:samples], y[:samples], **selection_arguments(settings))
+    return select_terms(record.u[:samples], record.y[:samples], **selection_arguments(settings))
 
 
 @needs_records
