@@ -82,7 +82,7 @@ class FilmCapacitor(Section):
 
 
 class Safety(Section):
-    """What is checked with every sample; what breaks it takes the output to zero and latches."""
+    """What is checked with every sample; a violation zeroes the output and latches a trip."""
 
     max_rate: Positive | None = key(
         "largest rate of change of the output, of ramps and excitation", unit="V/s", default=None
