@@ -4,20 +4,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 from scipy.signal import lfilter
 from scipy.special import softmax
-from scipy.stats import cauchy
 
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.held_out import folds
 from dea.discrepancy.evidence.model_error import ModelError, memory_of, model_error
 from dea.discrepancy.evidence.noise import quantisation
+from dea.discrepancy.evidence.occam import log_prior
 from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.presence import (
     Presence,
-    log_prior,
-    log_volume,
     presence,
     share_removed,
 )
@@ -31,7 +28,7 @@ WHITE = ModelError(1.0, 0.0, 0.0, 1.0)
 
 def candidate(*names, at_bounds=(), residual=None):
     return SimpleNamespace(
-        names=names, effects=frozenset(names), at_bounds=at_bounds,
+        names=names, effects=frozenset(names), at_bounds=at_bounds, places=1,
         fit=SimpleNamespace(residual=residual),
     )  # fmt: skip
 
@@ -99,8 +96,11 @@ def test_an_effect_at_two_places_counts_twice():
     one, two = at("upper"), at("upper", "lower")
     assert one.effects == at("lower").effects < two.effects
     assert two.effects == {"end_stop", "end_stop again"}
-    stub = SimpleNamespace(effects=two.effects, names=two.names, at_bounds=())
-    assert log_prior([stub], 20, 3.0)[0] == pytest.approx(-np.log(190.0))
+    stub = SimpleNamespace(effects=two.effects, names=two.names, at_bounds=(), places=3 * 3)
+    assert log_prior([stub], 20, 3.0)[0] == pytest.approx(-np.log(190.0 * 9.0))
+    weighed = Presence((at("upper"), at("lower"), two), np.array([0.5, 0.45, 0.05]))
+    assert weighed.surest(0.9) is weighed.candidates[0]
+    assert weighed.surest(0.96) is None
     weighed = Presence((two, one), np.array([0.6, 0.4]))
     assert weighed.effects == {"end_stop": 1.0}
     assert weighed.least_of(two) == pytest.approx(0.6)
@@ -112,41 +112,6 @@ def test_of_many_effects_offered_each_is_less_likely():
     unit = np.ones(5000)
     found = weights(unit, unit, offered=20)
     assert found["a"] == pytest.approx(1.0 / 21.0, rel=1e-6)
-
-
-@pytest.mark.parametrize("true", [0.0, 0.8, 20.0])
-@pytest.mark.parametrize("reach", [0.0, 1e-3, 5.0, 30.0])
-def test_the_volume_left_makes_the_evidence_of_a_linear_law(true, reach):
-    """The oracle integrates the likelihood over a Cauchy prior (scipy): told nothing, or much."""
-    rng = np.random.default_rng(7)
-    deviation, seen = 0.3, np.arange(80) < 60
-    X = reach * rng.standard_normal((80, 1))
-    y = X[:, 0] * true + deviation * rng.standard_normal(80)
-    own = X[seen, 0]
-    x = own @ y[seen] / (own @ own + deviation**2)
-
-    def likelihood(value):
-        return -0.5 * np.sum((y[seen] - own * value) ** 2) / deviation**2
-
-    fitted = SimpleNamespace(jacobian=-X, coordinates=np.array([x]))
-    found = likelihood(x) + log_volume(fitted, seen, deviation**2)
-    # Its peak may be narrow: integrated over the quantiles of the prior, in pieces about it.
-    around = cauchy.cdf(x + np.array([-0.1, -0.01, 0.0, 0.01, 0.1]))
-    exact, _ = quad(
-        lambda rank: np.exp(likelihood(cauchy.ppf(rank)) - likelihood(x)),
-        *(0.0, 1.0), points=around, limit=500,
-    )  # fmt: skip
-    # A direction that is told a little lies between the limits in which it is exact.
-    assert found == pytest.approx(likelihood(x) + np.log(exact), abs=0.1)
-
-
-def test_directions_that_a_record_tells_together_count_once():
-    """Two columns that are one tell one combination, of twice its information."""
-    X = np.random.default_rng(7).standard_normal((80, 1))
-    seen = np.ones(80, bool)
-    pair = SimpleNamespace(jacobian=np.hstack([X, X]), coordinates=np.zeros(2))
-    single = SimpleNamespace(jacobian=np.sqrt(2.0) * X, coordinates=np.zeros(1))
-    assert log_volume(pair, seen, 0.1) == pytest.approx(log_volume(single, seen, 0.1))
 
 
 def test_what_an_answer_holds_beside_an_effect_is_told_by_the_wider_sets():

@@ -149,6 +149,12 @@ class Rules(Section):
     at_bound: NotNegative = key(
         "log-odds that a parameter at its bound costs the presence of its effect", default=3.0
     )
+    shaped: Number = key(
+        "probability that the shape of an effect's law is other than expected in one respect",
+        default=0.5,
+        gt=0,
+        lt=1,
+    )
     likely: Share = key(
         "presence from which the sentence calls an effect, or a family, likely; one with less is"
         " named only if it leaves noise alone and its presence is more than 1 - ``certain``",

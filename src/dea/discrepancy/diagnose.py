@@ -20,7 +20,12 @@ from dea.discrepancy.decision import (
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.bootstrap import Gains, gains
-from dea.discrepancy.evidence.certificate import Certificate, certify, certify_elsewhere
+from dea.discrepancy.evidence.certificate import (
+    Certificate,
+    Certified,
+    certify,
+    certify_elsewhere,
+)
 from dea.discrepancy.evidence.colour import coloured_level
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import contributions, ladder
@@ -30,10 +35,9 @@ from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
 from dea.discrepancy.evidence.null import null_gain
+from dea.discrepancy.evidence.occam import log_prior, log_volume
 from dea.discrepancy.evidence.presence import (
     Presence,
-    log_prior,
-    log_volume,
     presence,
 )
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -160,12 +164,7 @@ def diagnose(
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
     tell("the answer on samples not used so far")
-    final = with_events_dated(problem, decided.answer.fit) if decided.answer else nominal
-    left_out = leave_one_out(problem, nominal, final) if decided.answer and len(records) > 1 else {}
-    tested = certify_elsewhere(others, nominal, final)
-    decision = confirmed(decided, evidence, final, left_out, tested)
-    if decision.answer is not decided.answer:
-        final, left_out, tested = nominal, {}, certify_elsewhere(others, nominal, nominal)
+    decision, final, elsewhere = _certified(evidence, decided, others)
 
     # Describe.
     where = Where(
@@ -191,7 +190,7 @@ def diagnose(
         unexplained=residual_model(problem, final.residual),
         force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
-        certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
+        certificate=Certificate(certify(problem, nominal, final), elsewhere),
         noise_floor=white,
         coloured_level=evidence.coloured_level,
         floor=evidence.floor,
@@ -202,6 +201,26 @@ def diagnose(
         rules=rules,
         not_offered=not_offered(rounds, offered),
     )
+
+
+def _certified(
+    evidence: Evidence, decided: Decision, others: Mapping[str, Samples]
+) -> tuple[Decision, Fit, dict[str, Certified]]:
+    """Return the decision that samples not used so far leave, its fit, and errors elsewhere.
+
+    Where they contradict it, that is the fit of the simulation alone.
+    """
+    problem, nominal = evidence.problem, evidence.nominal
+    if decided.answer is None:
+        elsewhere = certify_elsewhere(others, nominal, nominal)
+        return confirmed(decided, evidence, nominal, {}, elsewhere), nominal, elsewhere
+    final = with_events_dated(problem, decided.answer.fit)
+    left_out = leave_one_out(problem, nominal, final) if len(problem.records) > 1 else {}
+    tested = certify_elsewhere(others, nominal, final)
+    decision = confirmed(decided, evidence, final, left_out, tested)
+    if decision.answer is decided.answer:
+        return decision, final, left_out | tested
+    return decision, nominal, certify_elsewhere(others, nominal, nominal)
 
 
 def _tested_all(
@@ -291,8 +310,8 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
         workers,
         "single effects on blocks left out",
     )
-    # A candidate that was only screened has no held-out residual: both are then of fits to the
-    # same blocks.
+    # Nothing is held out of a candidate that is not finished, and may not be named: both residuals
+    # are then of fits to the same blocks.
     before = [
         held_out.residual(nominal, c.fit) if c.finished else nominal.residual for c in singles
     ]
@@ -315,9 +334,11 @@ def _weighed(
         rules.law_error,
         evidence.accuracy,
     )
-    alone = log_volume(nominal, seen, error.density)
-    volumes = np.array([log_volume(c.fit, seen, error.density) - alone for c in leading])
-    odds = log_prior(leading, offered, rules.at_bound) + volumes
+    alone, *volumes = (
+        log_volume(each, seen, error.density, rules.shaped)
+        for each in (nominal, *(c.fit for c in leading))
+    )
+    odds = log_prior(leading, offered, rules.at_bound) + np.array(volumes) - alone
     weighed = presence(nominal.residual, leading, evidence.blocks, error, odds, evidence.rng)
     return weighed, error
 

@@ -33,7 +33,8 @@ class Rules:
     Parameters
     ----------
     margin
-        Part of the held-out error that an effect must remove, at the lower end of its interval.
+        Part of the held-out error that an effect must remove, at the lower end of its interval. Of
+        further effects it is the error where they were fitted, and that held out must fall at all.
     clean
         Residual, in floors, up to which a record counts as explained.
     misfit
@@ -84,6 +85,9 @@ class Rules:
     at_bound
         Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
         another effect's law.
+    shaped
+        Probability that the shape of an effect's law is other than expected in one respect. What
+        the law could do besides does not count against it.
     likely
         Presence from which an effect, or a family, is called likely. Others are not named, unless
         they leave noise alone and their absence is not certain.
@@ -111,6 +115,7 @@ class Rules:
     part: float = 0.5
     ahead: float = 0.35
     at_bound: float = 3.0
+    shaped: float = 0.5
     likely: float = 0.6
     poor: float = at_least(1, 1.3)
     detectable: float = 0.2
@@ -120,6 +125,10 @@ class Rules:
         if self.margin >= 0.5:
             raise InputError(
                 f"it is {self.margin}", field="margin", remedy="Give less than 0.5: it is doubled"
+            )
+        if not 0.0 < self.shaped < 1.0:
+            raise InputError(
+                f"it is {self.shaped}", field="shaped", remedy="Give a probability between 0 and 1"
             )
 
     @property

@@ -1,20 +1,17 @@
 """How sure it is that an effect is part of the answer, whatever the answer's other effects.
 
-Every candidate gets a weight by its evidence (Laplace's approximation: MacKay 1992, Neural
-Computation 4:415), averaged over resampled blocks, since its law is never quite right (bagged
-posteriors: Huggins and Miller 2023, Bayesian Analysis 18:79). An effect's presence is the weight
-of all candidates that contain it.
+Every candidate gets a weight by its evidence, averaged over resampled blocks, since its law is
+never quite right (bagged posteriors: Huggins and Miller 2023, Bayesian Analysis 18:79). An effect's
+presence is the weight of all candidates that contain it.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import comb, log
 
 import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import energies
 from dea.discrepancy.evidence.model_error import ModelError
-from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate, EffectSet
 
@@ -64,10 +61,8 @@ class Presence:
         return min(found.get(name, 0.0) for name in candidate.effects)
 
     def surest(self, certain: float) -> Candidate | None:
-        """Return the candidate whose own weight makes it ``certain``, if there is one."""
-        if not self.candidates or self.weights[0] < certain:
-            return None
-        return self.candidates[0]
+        """Return the candidate whose own weight, at any force ports, makes it ``certain``."""
+        return next((c for c in self.candidates if self._weight_of(c) >= certain), None)
 
     def wider_than(self, candidate: Candidate) -> float:
         """Return the probability that the answer holds more than the effects of a candidate."""
@@ -80,7 +75,10 @@ class Presence:
         """
         sets = {candidate.effects, *(other.effects for other in others)}
         whole = self._weight_where(lambda effects: effects in sets)
-        return self._weight_where(lambda effects: effects == candidate.effects) / (whole or 1.0)
+        return self._weight_of(candidate) / (whole or 1.0)
+
+    def _weight_of(self, candidate: Candidate) -> float:
+        return self._weight_where(lambda effects: effects == candidate.effects)
 
     def _weight_where(self, holds: Callable[[EffectSet], bool]) -> float:
         pairs = zip(self.candidates, self.weights, strict=True)
@@ -110,9 +108,9 @@ def presence(
 ) -> Presence:
     """Weigh candidates by their residuals against the one ``before`` (n,).
 
-    ``log_odds`` (k,) is what else counts against the simulation alone: :func:`log_prior` and
-    :func:`log_volume`. Blocks get weights of a flat Dirichlet distribution (the Bayesian
-    bootstrap).
+    ``log_odds`` (k,) is what else counts against the simulation alone: that of
+    :mod:`dea.discrepancy.evidence.occam`. Blocks get weights of a flat Dirichlet distribution (the
+    Bayesian bootstrap).
     """
     residuals = (before, *(c.fit.residual for c in candidates))
     sums = np.array([energies(residual, blocks) for residual in residuals])
@@ -124,36 +122,6 @@ def presence(
     mean = weights.mean(axis=0)[1:]
     order = np.argsort(-mean, kind="stable")
     return Presence(tuple(candidates[i] for i in order), mean[order])
-
-
-def log_prior(candidates: Sequence[Candidate], offered: int, at_bound: float) -> np.ndarray:
-    """Return log prior odds (k,) of candidates against the simulation alone.
-
-    A set of k of the ``offered`` effects has the probability that all sets of its size share. Each
-    parameter at its bound costs ``at_bound``, as it counts against the law it belongs to.
-    """
-    return np.array(
-        [
-            -log(comb(max(offered, 1), min(len(c.effects), offered))) - at_bound * len(c.at_bounds)
-            for c in candidates
-        ]
-    )
-
-
-def log_volume(fitted: Fit, samples: np.ndarray, density: float) -> float:
-    """Return the log of the part of its prior that a record leaves to a fit, by Laplace.
-
-    A flexible law is penalised: each direction of the parameters that the ``samples`` (n,
-    bool) determine, given an error of this ``density``, costs the log of the ratio of its prior and
-    posterior deviations, besides the distance of the estimate from the prior. That distance counts
-    as by Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads is
-    unusual, but not impossible.
-    """
-    J = fitted.jacobian[samples]
-    told = np.maximum(np.linalg.eigvalsh(J.T @ J / max(density, 1e-300)), 0.0)
-    # Exact where a direction is told nothing, or much: Cauchy's density at its mode is 1 / pi.
-    width = np.log1p(0.5 * np.pi * told)
-    return -float(np.log1p(fitted.coordinates**2).sum() + 0.5 * width.sum())
 
 
 def share_removed(

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
@@ -47,6 +48,13 @@ class Candidate:
     def labels(self) -> tuple[str, ...]:
         """The same with the force port of each where the simulation has several."""
         return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
+
+    @property
+    def places(self) -> int:
+        """In how many ways its effects could be attached to the force ports of the simulation."""
+        extended = self.fit.extended
+        forces = (a.effect for a in extended.attached if a.effect.force is not None)
+        return prod(map(extended.places, forces))
 
     @cached_property
     def at_bounds(self) -> tuple[str, ...]:

@@ -1,0 +1,86 @@
+"""How much the freedom of an explanation counts against it before the record is looked at.
+
+A flexible law is penalised by the part of its prior that the record leaves to it (Laplace's
+approximation: MacKay 1992, Neural Computation 4:415). Most of a law's parameters only shape it, and
+rarely does a device need all of them: a law stands for several laws, in each of which some shapes
+are as expected (a prior of spike and slab: Mitchell and Beauchamp 1988, JASA 83:1023). The best of
+these counts, so that a law is not penalised for what it could do besides.
+"""
+
+from collections.abc import Sequence
+from math import comb, log
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.search.candidates import Candidate
+
+_Shapes = frozenset[int]
+
+
+def log_prior(candidates: Sequence[Candidate], offered: int, at_bound: float) -> np.ndarray:
+    """Return log prior odds (k,) of candidates against the simulation alone.
+
+    A set of k of the ``offered`` effects has the probability that all sets of its size share, and
+    each of the force ports that it can act at a part of that. Each parameter at its bound costs
+    ``at_bound``, as it counts against the law it belongs to.
+    """
+
+    def sets(c: Candidate) -> int:
+        return comb(max(offered, 1), min(len(c.effects), offered)) * c.places
+
+    return np.array([-log(sets(c)) - at_bound * len(c.at_bounds) for c in candidates])
+
+
+def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) -> float:
+    """Return the log of the part of its prior that a record leaves to a fit.
+
+    Parameters
+    ----------
+    samples : (n,) bool
+        Those that determine the parameters.
+    density
+        Variance of their error.
+    shaped
+        Probability that a shape of a law is other than expected. A shape that is as expected has no
+        freedom, but the error of the fit without it, by a linear step, counts.
+    """
+    J = fitted.jacobian[samples]
+    A = J.T @ J / max(density, 1e-300)
+    shapes: list[int] = np.flatnonzero(fitted.extended.shapes).tolist()
+    expected: _Shapes = frozenset()
+
+    def volume(some: _Shapes) -> float:
+        other = len(shapes) - len(some)
+        charge = len(some) * log(1.0 - shaped) + other * log(shaped)
+        return _log_volume(fitted.coordinates, A, some) + charge
+
+    best = volume(expected)
+    while rest := [expected | {shape} for shape in shapes if shape not in expected]:
+        found, more = max(((volume(some), some) for some in rest), key=lambda pair: pair[0])
+        if found <= best:
+            break
+        best, expected = found, more
+    return best
+
+
+def _log_volume(x: np.ndarray, A: np.ndarray, expected: _Shapes) -> float:
+    """Return the volume with some of the coordinates ``x`` (k,) at their prior means.
+
+    Each direction that the information ``A`` (k, k) tells costs the log of the ratio of its prior
+    and posterior deviations, besides the distance of the estimate from the prior. That distance
+    counts as by Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads
+    is unusual, but not impossible.
+    """
+    free = np.array([i for i in range(x.size) if i not in expected], int)
+    held = np.array(sorted(expected), int)
+    moved, P = x.copy(), A + np.eye(x.size)
+    moved[held] = 0.0
+    moved[free] += np.linalg.solve(P[np.ix_(free, free)], P[np.ix_(free, held)] @ x[held])
+    step = moved - x
+    # The fit ends where the slope of its likelihood is that of the prior.
+    worse = max(float(0.5 * step @ A @ step - x @ step), 0.0)
+    told = np.maximum(np.linalg.eigvalsh(A[np.ix_(free, free)]), 0.0)
+    # Exact where a direction is told nothing, or much: Cauchy's density at its mode is 1 / pi.
+    width = np.log1p(0.5 * np.pi * told)
+    return -float(np.log1p(moved[free] ** 2).sum() + 0.5 * width.sum()) - worse
