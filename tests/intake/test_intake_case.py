@@ -169,14 +169,73 @@ def test_what_was_answered_before_is_not_asked_again(folder, capsys):
     after = yaml.safe_load(file.read_text())
     assert after["record"] == before["record"]
     assert after["simulation"] == "mine.py"
-    # Another file of that name, and a question that was answered in part, are asked about.
+    # Another file of that name is asked about, and so is the first one without its case.
     capsys.readouterr()
     other = folder / "other"
     other.mkdir()
     table.to_csv(other / "plain.csv", index=False)
     assert main(["other/plain.csv"]) == 2
-    assert main(["plain.csv", "--input", "volts:V"]) == 2
+    assert main(["plain.csv", "--input", "volts:V", "--name", "another"]) == 2
     assert capsys.readouterr().err.count("Answer with") == 2
+    assert main(["plain.csv", "--input", "volts:V"]) == 0, "its case says which is the output"
+
+
+def described(folder, name):
+    return yaml.safe_load((folder / "config" / "cases" / f"{name}.yaml").read_text())["record"]
+
+
+def test_an_answer_outlasts_what_the_names_would_tell(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.columns = ["t", "u (V)", "y (mm)"]
+    table.insert(3, "y2", -table["y (mm)"])
+    table.to_csv("two_out.csv", index=False)
+    assert main(["two_out.csv", "--output", "y2:mm", "--time", "t:ms"]) == 0
+    before = described(folder, "two_out")
+    write_simulation(folder / "mine.py")
+    capsys.readouterr()
+    assert main(["two_out.csv", "--simulation", "mine.py", "--goal", "diagnose"]) == 0
+    told = capsys.readouterr().err
+    assert "time: column 't', in ms, kept from the case\n" in told
+    assert "output: column 'y2', kept from the case\n" in told
+    after = described(folder, "two_out")
+    assert [after[role] for role in ("time", "output")] == [
+        {"column": "t", "units": "ms"},
+        {"column": "y2", "units": "mm"},
+    ]
+    assert after["input"] == before["input"]
+    assert main(["two_out.csv", "--output", "y"]) == 0
+    assert described(folder, "two_out")["output"]["column"] == "y"
+    assert described(folder, "two_out")["time"]["units"] == "ms"
+
+
+def test_what_a_case_says_of_a_column_holds_while_the_file_has_it(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.columns = ["t (s)", "left", "right"]
+    table.to_csv("plain.csv", index=False)
+    assert main(["plain.csv", "--input", "left:V", "--output", "right:mm"]) == 0
+    # The other way round, of which one half is enough.
+    assert main(["plain.csv", "--input", "right:V"]) == 2
+    assert "OUTPUT=COLUMN" not in capsys.readouterr().err
+    assert main(["plain.csv", "--input", "right:V", "--output", "left:mm"]) == 0
+    table.columns = ["t (s)", "left (um)", "right"]
+    table.to_csv("plain.csv", index=False)
+    assert main(["plain.csv"]) == 0
+    assert described(folder, "plain")["output"] == {"column": "left", "units": "um"}
+    table.columns = ["t (s)", "place", "right"]
+    table.to_csv("plain.csv", index=False)
+    assert main(["plain.csv"]) == 2
+    assert "INPUT=right:V OUTPUT=place:UNITS" in capsys.readouterr().err
+
+
+def test_a_rate_outlasts_the_column_of_times(folder, capsys):
+    assert main(["mine.csv", "--rate", "100"]) == 0
+    assert main(["mine.csv"]) == 0
+    told = "time: 100 samples per second, kept from the case; column 't' is not used"
+    assert told in capsys.readouterr().err
+    assert described(folder, "mine")["sampling_interval"] == 0.01
+    assert main(["mine.csv", "--time", "t"]) == 0
+    assert described(folder, "mine")["time"] == {"column": "t", "units": "s"}
+    assert "sampling_interval" not in described(folder, "mine")
 
 
 def test_the_simulation_of_a_case_outlasts_the_next_identification(folder, capsys):

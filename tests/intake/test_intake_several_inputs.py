@@ -102,6 +102,9 @@ def test_a_file_with_two_inputs_becomes_a_case(tmp_path, monkeypatch, capsys):
     assert record.u.shape == (N, 2)
     assert record.inputs == [("a", "V"), ("b", "%")]
     np.testing.assert_allclose(record.u, u, atol=0.05)
+    assert main(["mine.csv"]) == 0
+    assert "input: columns 'a', 'b', kept from the case" in capsys.readouterr().err
+    assert yaml.safe_load(file.read_text()) == content
 
 
 def test_a_simulation_to_diagnose_goes_into_the_case(tmp_path, monkeypatch):

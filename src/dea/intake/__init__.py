@@ -2,7 +2,6 @@
 
 from dea.intake.case import Inferred, infer_case
 from dea.intake.case_file import (
-    answers_of,
     case_name,
     earlier_case,
     known_name,
@@ -16,7 +15,6 @@ __all__ = [
     "Answers",
     "Inferred",
     "UnansweredError",
-    "answers_of",
     "case_name",
     "command",
     "earlier_case",

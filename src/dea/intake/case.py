@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dea import store
 from dea.arrays import Array
+from dea.configuration.record import RecordFile
 from dea.errors import InputError
 from dea.intake.bandwidth import samples_to_average
 from dea.intake.questions import command
@@ -40,6 +41,7 @@ def infer_case(
     simulation: str | None = None,
     goal: str = "case",
     given: Mapping[str, str] | None = None,
+    kept: RecordFile | None = None,
 ) -> Inferred:
     """Return the case of a file, whose record has been read and checked.
 
@@ -47,6 +49,9 @@ def infer_case(
     ----------
     goal, given
         Target and variables of the command that was typed, for what is asked back.
+    kept
+        What an earlier case says of the same file: it counts more than what its names tell, and
+        less than an answer.
 
     Raises
     ------
@@ -60,7 +65,7 @@ def infer_case(
         problem = "it is no file" if file.exists() else "it does not exist"
         raise InputError(problem, file=file, remedy="Correct the path")
     table = _read(file, answers.sheet, goal, given or {})
-    roles = find_roles(table, answers, file, goal, given or {})
+    roles = find_roles(table, answers, file, goal, given or {}, kept)
     record = _described(file, answers.sheet, roles)
     try:
         time = _times(table, roles)

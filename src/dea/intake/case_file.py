@@ -11,12 +11,10 @@ import yaml
 from dea.configuration.case import Case, case_files, check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
-from dea.configuration.record import Column
 from dea.configuration.section import NAME
 from dea.configuration.study import FILE, RESERVED, Study, check_study
 from dea.errors import InputError
 from dea.intake.case import Inferred
-from dea.intake.roles import Answers
 from dea.store import atomic
 
 _MARK = "# As written: "
@@ -96,22 +94,6 @@ def earlier_case(file: Path, sheet: str | None, case: Path) -> Case | None:
     earlier = read_case(case)
     same = Path(earlier.record.file) == file and earlier.record.sheet == sheet
     return earlier if same else None
-
-
-def answers_of(case: Case) -> Answers:
-    """Return what a case says of the columns of its file."""
-    record = case.record
-    return Answers(
-        input=",".join(_told(each) for each in record.driving),
-        output=_told(record.output),
-        time=_told(record.time) if record.time else None,
-        rate=1.0 / record.sampling_interval if record.sampling_interval else None,
-        sheet=record.sheet,
-    )
-
-
-def _told(column: Column) -> str:
-    return f"{column.column}:{column.units}"
 
 
 def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Path:

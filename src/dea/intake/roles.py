@@ -1,12 +1,13 @@
 """Which column of a file is the time, which the input, which the output, and in what units."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from dea.configuration.record import Column, RecordFile
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, command, described
 from dea.store import ForeignTable
@@ -25,6 +26,7 @@ _TIME = {
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
 _Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
+_KEPT = ", kept from the case"
 
 
 @dataclass(frozen=True)
@@ -65,14 +67,21 @@ class Roles:
 
 
 def find_roles(
-    table: ForeignTable, answers: Answers, file: Path, goal: str, given: Mapping[str, str]
+    table: ForeignTable,
+    answers: Answers,
+    file: Path,
+    goal: str,
+    given: Mapping[str, str],
+    kept: RecordFile | None = None,
 ) -> Roles:
-    """Return what each column is, by the answers, names and units of the file.
+    """Return what each column is, by the answers, an earlier case, names and units of the file.
 
     Parameters
     ----------
     goal, given
         Target and variables of the command that was typed, for the question.
+    kept
+        What an earlier case says of the same file.
 
     Raises
     ------
@@ -86,18 +95,29 @@ def find_roles(
         role: _answers(getattr(answers, role), table, role, file)
         for role in ("input", "output", "time")
     }
+    earlier = _earlier(kept, said, table)
+    rate = answers.rate
+    of_the_case = rate is None and not said["time"] and kept is not None
+    if kept is not None and of_the_case and kept.sampling_interval is not None:
+        rate = 1.0 / kept.sampling_interval
     inferred: list[str] = []
-    named = next(iter(said["time"]), None)
-    if named is None:
-        _refuse_falling_time(table, answers.rate, file, inferred)
-    time, interval = _timing(table, named, answers.rate, inferred, file)
+    named = next(iter(said["time"] or earlier["time"]), None)
+    if not said["time"]:
+        _refuse_falling_time(
+            table, named[0] if named else _called_time(table), rate, file, inferred
+        )
+    time, interval = _timing(table, named, rate, inferred, file)
     clock = named[0] if named else _time_column(table)
-    if clock is not None and answers.rate is not None:
-        inferred.append(f"time: {answers.rate:g} samples per second; column {clock!r} is not used")
+    if rate is not None and (clock is not None or of_the_case):
+        unused = f"; column {clock!r} is not used" if clock is not None else ""
+        of_case = f"{_KEPT}{_otherwise(table, rate)}" if of_the_case else ""
+        inferred.append(f"time: {rate:g} samples per second{of_case}{unused}")
+    elif time is not None and earlier["time"]:
+        inferred.append(f"time: column {time[0]!r}, in {time[1]}{_KEPT}")
     free = [name for name in table.columns if name != clock]
     found = {
-        "input": said["input"] or _guess(free, _INPUT, table),
-        "output": said["output"] or _guess(free, _OUTPUT, table),
+        "input": said["input"] or earlier["input"] or _guess(free, _INPUT, table),
+        "output": said["output"] or earlier["output"] or _guess(free, _OUTPUT, table),
     }
     left_over = _fill_the_other(found, free, table)
     names = [name for each in found.values() for name, _ in each]
@@ -131,12 +151,53 @@ def find_roles(
         raise UnansweredError(asked, command(goal, lines), file, described(table))
     table.refuse_words([*names, *([time[0]] if time else [])], file)
     unsaid = [role for role in ("input", "output") if not said[role]]
-    by = dict.fromkeys(unsaid, "by the names") | dict.fromkeys(left_over, "the only other one")
-    inferred += [f"{role}: column {found[role][0][0]!r}, {by[role]}" for role in unsaid]
+    by = dict.fromkeys(unsaid, ", by the names") | dict.fromkeys(left_over, ", the only other one")
+    by |= {role: _KEPT for role in unsaid if earlier[role]}
+    inferred += [f"{role}: {_listed(found[role])}{by[role]}" for role in unsaid]
     columns = {
         role: tuple((name, units or "") for name, units in each) for role, each in found.items()
     }
     return Roles(columns["input"], columns["output"][0], time, interval, tuple(inferred))
+
+
+def _earlier(
+    kept: RecordFile | None, said: Mapping[str, list[_Column]], table: ForeignTable
+) -> dict[str, list[_Column]]:
+    """Return what an earlier case says of the roles of which the user says nothing.
+
+    Nothing where the file has a column of it no more, or the user gives that another role. Units
+    that the file says are those of the file, which may have been corrected.
+    """
+    taken = {name for each in said.values() for name, _ in each}
+
+    def columns(role: str, declared: Sequence[Column | None]) -> list[_Column]:
+        given = [each for each in declared if each is not None]
+        there = all(each.column in table.columns for each in given)
+        if said[role] or not there or taken.intersection(each.column for each in given):
+            return []
+        return [(each.column, table.units.get(each.column, each.units)) for each in given]
+
+    if kept is None:
+        return {role: [] for role in said}
+    time = columns("time", [kept.time])
+    return {
+        "input": columns("input", kept.driving),
+        "output": columns("output", [kept.output]),
+        "time": [each for each in time if each[1] in SECONDS],
+    }
+
+
+def _otherwise(table: ForeignTable, rate: float) -> str:
+    """Say where the file itself holds another interval than the case: it may be recorded anew."""
+    stated = _stated_interval(table)
+    if stated is None or np.isclose(stated[1] * rate, 1.0, rtol=1e-6):
+        return ""
+    return f", though {stated[0]!r} says {1.0 / stated[1]:g}"
+
+
+def _listed(columns: Sequence[_Column]) -> str:
+    names = ", ".join(repr(name) for name, _ in columns)
+    return f"column{'s' if len(columns) > 1 else ''} {names}"
 
 
 def _answers(text: str | None, table: ForeignTable, role: str, file: Path) -> list[_Column]:
@@ -197,15 +258,22 @@ def _timing(
                 remedy=f"Units of time are {', '.join(SECONDS)}; or give the samples per second,"
                 " RATE=…",
             )
+    if (stated := _stated_interval(table)) is not None:
+        constant, interval = stated
+        inferred.append(f"{interval:g} s between samples, from {constant!r}")
+        return None, interval
+    return None, None
+
+
+def _stated_interval(table: ForeignTable) -> tuple[str, float] | None:
+    """Return the lone number that is the interval or the rate, and the interval in s."""
     for known, plain, scale in ((_INTERVAL, "s", SECONDS), (_RATE, "Hz", HERTZ)):
         constant = next(filter(_named(known), table.constants), None)
         factor = scale.get(table.units.get(constant, plain)) if constant is not None else None
         if constant is not None and factor and table.constants[constant] > 0:
             value = factor * table.constants[constant]
-            interval = value if scale is SECONDS else 1.0 / value
-            inferred.append(f"{interval:g} s between samples, from {constant!r}")
-            return None, interval
-    return None, None
+            return constant, value if scale is SECONDS else 1.0 / value
+    return None
 
 
 def _named_units(name: str) -> str | None:
@@ -237,9 +305,9 @@ def _is_t(name: str) -> bool:
 
 
 def _refuse_falling_time(
-    table: ForeignTable, rate: float | None, file: Path, inferred: list[str]
+    table: ForeignTable, name: str | None, rate: float | None, file: Path, inferred: list[str]
 ) -> None:
-    """Refuse a column that is called the time and falls back, unless the user gives a rate.
+    """Refuse a column that is taken for the time and falls back, unless a rate is given.
 
     Records that were joined fall back, and one that was sorted the other way round.
 
@@ -248,7 +316,6 @@ def _refuse_falling_time(
     InputError
         Naming the first sample at fault.
     """
-    name = _called_time(table)
     if name is None:
         return
     time = table.columns[name]

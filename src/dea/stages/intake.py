@@ -1,7 +1,7 @@
 """Write the case of a file and print its name: ``python -m dea.stages.intake mine.csv``.
 
 Without a file, check the case that is named. A simulation is loaded before anything is written.
-What a case of the file already says of its columns is not asked again.
+What a case of the file already says of its columns stands, unless an option says otherwise.
 """
 
 import argparse
@@ -9,7 +9,6 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import replace
-from functools import partial
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -20,8 +19,6 @@ from dea.configuration.study import RESERVED, settings
 from dea.errors import InputError
 from dea.intake import (
     Answers,
-    UnansweredError,
-    answers_of,
     case_name,
     command,
     earlier_case,
@@ -74,16 +71,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         earlier = earlier_case(options.file, options.sheet, file)
         kept = earlier.simulation if earlier and options.simulation is None else None
         simulation = options.simulation or kept
-        infer = partial(
-            infer_case, options.file,
-            simulation=simulation, goal=options.goal, given=given,
+        inferred = infer_case(
+            options.file, answers, simulation=simulation, goal=options.goal, given=given,
+            kept=earlier.record if earlier else None,
         )  # fmt: skip
-        try:
-            inferred = infer(answers)
-        except UnansweredError:
-            if answers != Answers(sheet=options.sheet) or earlier is None:
-                raise
-            inferred = infer(answers_of(earlier))
         if simulation is not None:
             named = (file, "simulation") if kept else (None, "SIMULATION")
             _check_simulation(simulation, inferred.content["record"], *named)
