@@ -55,6 +55,31 @@ def test_names_beside_a_preposition_count(driving, measured):
     assert (found.inputs, found.output) == (((driving, "V"),), (measured, "mm"))
 
 
+@pytest.mark.parametrize(
+    ("columns", "role"),
+    [
+        ({"t": "s", "u1": "V", "u2": "V", "y": "mm"}, "input"),
+        ({"t": "s", "u": "V", "input2": "V", "y": "mm"}, "input"),
+        ({"t": "s", "drive left": "V", "drive2": "V", "y": "mm"}, "input"),
+        ({"t": "s", "u": "V", "y1": "mm", "y2": "mm"}, "output"),
+        ({"t": "s", "u": "V", "y": "mm", "out_2": "mm"}, "output"),
+    ],
+)
+def test_of_several_inputs_or_outputs_none_is_dropped_without_a_word(columns, role):
+    with pytest.raises(UnansweredError, match=f"which column is the {role}") as caught:
+        roles(columns)
+    assert f"{role.upper()}=COLUMN" in caught.value.command
+    candidates = [name for name in columns if columns[name] == ("V" if role == "input" else "mm")]
+    for name in candidates:
+        found = roles(columns, Answers(**{role: name}))
+        assert (found.inputs[0] if role == "input" else found.output)[0] == name
+
+
+def test_a_candidate_that_the_user_gives_another_role_is_none():
+    found = roles({"t": "s", "u1": "V", "u2": "mm"}, Answers(output="u2"))
+    assert (found.inputs, found.output) == ((("u1", "V"),), ("u2", "mm"))
+
+
 def test_everything_unknown_is_asked_at_once_with_the_command_that_answers():
     with pytest.raises(UnansweredError) as caught:
         roles({"a": None, "b": None})

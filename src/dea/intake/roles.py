@@ -13,9 +13,10 @@ from dea.intake.questions import UnansweredError, command, described
 from dea.store import ForeignTable
 from dea.units import HERTZ, SECONDS, plain_units
 
-# Whole words of a name. Names that could be either (voltage, position) are asked about.
-_INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
-_OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
+# Whole words of a name, numbered or not. Names that could be either (voltage, position) are asked
+# about.
+_INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest"}
+_OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest"}
 # Whole names, a number behind them at most: as words of a longer one they are prepositions.
 _ALONE = {"in", "out"}
 # A "t" within a longer name is more often a temperature or a torque.
@@ -115,9 +116,12 @@ def find_roles(
     elif time is not None and earlier["time"]:
         inferred.append(f"time: column {time[0]!r}, in {time[1]}{_KEPT}")
     free = [name for name in table.columns if name != clock]
+    told = {role: said[role] or earlier[role] for role in ("input", "output")}
+    taken = {name for each in told.values() for name, _ in each}
+    open_names = [name for name in free if name not in taken]
     found = {
-        "input": said["input"] or earlier["input"] or _guess(free, _INPUT, table),
-        "output": said["output"] or earlier["output"] or _guess(free, _OUTPUT, table),
+        "input": told["input"] or _guess(open_names, _INPUT, table),
+        "output": told["output"] or _guess(open_names, _OUTPUT, table),
     }
     left_over = _fill_the_other(found, free, table)
     names = [name for each in found.values() for name, _ in each]
@@ -383,9 +387,16 @@ def _fill_the_other(
 def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[_Column]:
     """Return the only column whose name holds one of these words, empty where there are more.
 
-    One that holds no numbers counts, and is none.
+    Words may be numbered, as those of several inputs are. One that holds no numbers counts, and is
+    none.
     """
-    found = list(filter(_named(words), [*free, *table.no_numbers]))
+    named = _named(words)
+    numbered = re.compile(r"\d+(?![^\W_])")  # at the end of a word
+
+    def matches(name: str) -> bool:
+        return named(name) or named(numbered.sub("", name))
+
+    found = list(filter(matches, [*free, *table.no_numbers]))
     sure = len(found) == 1 and found[0] in free
     return [(found[0], table.units.get(found[0]))] if sure else []
 
