@@ -113,6 +113,11 @@ def test_a_rate_leaves_the_column_of_times_unused():
     )
 
 
+def test_columns_that_are_not_used_are_named():
+    units = {"t": "s", "u": "V", "y": "mm", "room": "degC", "n": None}
+    assert roles(units).inferred[-1] == "not used: columns 'room', 'n'"
+
+
 def test_a_rate_leaves_the_column_that_is_named_as_the_time_unused():
     found = roles({"volts": "V", "tick": "ms", "y": "mm"}, Answers(time="tick", rate=50.0))
     assert (found.interval, found.time, found.inputs) == (0.02, None, (("volts", "V"),))

@@ -157,7 +157,11 @@ def find_roles(
     unsaid = [role for role in ("input", "output") if not said[role]]
     by = dict.fromkeys(unsaid, ", by the names") | dict.fromkeys(left_over, ", the only other one")
     by |= {role: _KEPT for role in unsaid if earlier[role]}
-    inferred += [f"{role}: {_listed(found[role])}{by[role]}" for role in unsaid]
+    inferred += [
+        f"{role}: {_listed([name for name, _ in found[role]])}{by[role]}" for role in unsaid
+    ]
+    if rest:
+        inferred.append(f"not used: {_listed(rest)}")
     columns = {
         role: tuple((name, units or "") for name, units in each) for role, each in found.items()
     }
@@ -199,9 +203,9 @@ def _otherwise(table: ForeignTable, rate: float) -> str:
     return f", though {stated[0]!r} says {1.0 / stated[1]:g}"
 
 
-def _listed(columns: Sequence[_Column]) -> str:
-    names = ", ".join(repr(name) for name, _ in columns)
-    return f"column{'s' if len(columns) > 1 else ''} {names}"
+def _listed(names: Sequence[str]) -> str:
+    listed = ", ".join(map(repr, names))
+    return f"column{'s' if len(names) > 1 else ''} {listed}"
 
 
 def _answers(text: str | None, table: ForeignTable, role: str, file: Path) -> list[_Column]:
