@@ -182,6 +182,39 @@ def test_of_likely_times_the_one_in_a_unit_of_time_is_taken(columns, time):
     assert roles(columns, Answers(input="u", output="y")).time == time
 
 
+def timed(values, answers=NOTHING, name="t"):
+    columns = {name: np.asarray(values, float), "u": np.arange(5.0), "y": np.arange(5.0)}
+    table = ForeignTable(columns, {"u": "V", "y": "mm"})
+    return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
+
+
+STEPS = np.arange(5.0)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [1e-5 * STEPS, 0.02 * STEPS, STEPS, 2.5 * STEPS, 1.7e9 + 0.02 * STEPS, [0, 0, 0, 1, 1]],
+)
+def test_times_without_units_are_in_seconds_where_they_look_so(values):
+    found = timed(values)
+    assert found.time == ("t", "s")
+    assert "time: column 't', taken to be in s; if it is in ms, TIME=t:ms" in found.inferred
+
+
+@pytest.mark.parametrize(
+    "values", [20 * STEPS, 2 * STEPS, 1.7e12 + STEPS, 12.5 * STEPS, 1e-7 * STEPS]
+)
+def test_the_units_of_a_time_are_asked_for_where_it_may_be_another(values):
+    with pytest.raises(UnansweredError, match=r"the units of the time 't' \(s, ms, us, ") as caught:
+        timed(values)
+    assert caught.value.command == "make case FILE=mine.csv INPUT=u:V OUTPUT=y:mm TIME=t:UNITS"
+    assert timed(values, Answers(time="t:ms")).time == ("t", "ms")
+    assert timed(values, Answers(time="t:s")).time == ("t", "s")
+    with pytest.raises(UnansweredError, match="the units of the time"):
+        timed(values, Answers(time="t"))
+    assert timed(values, name="t_ms").time == ("t_ms", "ms")
+
+
 def test_units_that_are_given_count_more_than_a_name():
     assert roles({"time_ms": "us", "u": "V", "y": "mm"}).time == ("time_ms", "us")
     answers = Answers(time="time_ms:s")

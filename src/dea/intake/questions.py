@@ -38,5 +38,10 @@ def described(table: ForeignTable) -> str:
 
 def command(goal: str, answers: Mapping[str, str]) -> str:
     """Return the command line that gives these answers."""
-    words = (f"{key}={value}" for key, value in answers.items())
-    return " ".join(["make", goal, *(f'"{word}"' if " " in word else word for word in words)])
+    return " ".join(["make", goal, *(answer(key, value) for key, value in answers.items())])
+
+
+def answer(key: str, value: str) -> str:
+    """Return one answer as it stands on a command line."""
+    word = f"{key}={value}"
+    return f'"{word}"' if " " in word else word

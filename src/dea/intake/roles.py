@@ -9,7 +9,7 @@ import numpy as np
 
 from dea.configuration.record import Column, RecordFile
 from dea.errors import InputError
-from dea.intake.questions import UnansweredError, command, described
+from dea.intake.questions import UnansweredError, answer, command, described
 from dea.store import ForeignTable
 from dea.units import HERTZ, SECONDS, plain_units
 
@@ -28,6 +28,10 @@ _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
 _Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
 _KEPT = ", kept from the case"
+# Steps of times without units, in s where they are taken to be in s. Whole numbers that are further
+# apart than one may as well be milliseconds.
+_FINEST, _COARSEST = 1e-6, 10.0
+_LATEST = 1e11  # s since 1970: clocks that count milliseconds or less are beyond it
 
 
 @dataclass(frozen=True)
@@ -151,6 +155,9 @@ def find_roles(
             " TIME=COLUMN:UNITS)"
         )
         lines["RATE"] = "SAMPLES_PER_SECOND"
+    if time is not None and time[1] is None:
+        asked.append(f"the units of the time {time[0]!r} ({', '.join(SECONDS)})")
+        lines["TIME"] = f"{time[0]}:UNITS"
     if asked:
         raise UnansweredError(asked, command(goal, lines), file, described(table))
     table.refuse_words([*names, *([time[0]] if time else [])], file)
@@ -165,7 +172,8 @@ def find_roles(
     columns = {
         role: tuple((name, units or "") for name, units in each) for role, each in found.items()
     }
-    return Roles(columns["input"], columns["output"][0], time, interval, tuple(inferred))
+    timed = (time[0], time[1] or "") if time is not None else None
+    return Roles(columns["input"], columns["output"][0], timed, interval, tuple(inferred))
 
 
 def _earlier(
@@ -239,8 +247,10 @@ def _timing(
     rate: float | None,
     inferred: list[str],
     file: Path,
-) -> tuple[tuple[str, str] | None, float | None]:
-    """Return the time column with its units, or the interval in s, or neither.
+) -> tuple[_Column | None, float | None]:
+    """Return the time column with its units, None where only the user knows them, or the interval.
+
+    The interval is in s; there may be neither.
 
     Raises
     ------
@@ -252,8 +262,11 @@ def _timing(
     name, units = said or (_time_column(table), None)
     if name is not None:
         units = units or table.units.get(name) or _named_units(name)
+        if units is None and not _may_be_seconds(table.columns[name]):
+            return (name, None), None
         if units is None:
-            inferred.append(f"time: column {name!r}, taken to be in s")
+            other = answer("TIME", f"{name}:ms")
+            inferred.append(f"time: column {name!r}, taken to be in s; if it is in ms, {other}")
         elif said is None:
             inferred.append(f"time: column {name!r}, in {units}")
         if (units or "s") in SECONDS:
@@ -271,6 +284,17 @@ def _timing(
         inferred.append(f"{interval:g} s between samples, from {constant!r}")
         return None, interval
     return None, None
+
+
+def _may_be_seconds(values: np.ndarray) -> bool:
+    """Tell whether times without units are likely to be in s, if they ascend at all."""
+    there = values[np.isfinite(values)]
+    steps = np.diff(there)
+    if not np.any(steps > 0):
+        return True
+    most = 1.0 if np.all(there == np.round(there)) else _COARSEST
+    likely = _FINEST <= np.median(steps[steps > 0]) <= most
+    return bool(likely and np.all(np.abs(there) < _LATEST))
 
 
 def _stated_interval(table: ForeignTable) -> tuple[str, float] | None:
