@@ -76,7 +76,10 @@ def test_rows_cut_the_record(tmp_path):
             "has 'y' in 'mm', not in 'm'",
         ),
         ({"time": {"column": "u", "units": "V"}}, r"record\.time\.units: its units are 'V'"),
-        ({"file": "text.csv"}, r"no column 'u'. Its columns of numbers are y"),
+        (
+            {"file": "text.csv"},
+            r"text\.csv has text \(line 3: 'x'\) in column 'u'\. .* its columns of numbers are y",
+        ),
         ({"file": "empty.csv"}, r"empty\.csv: no line of it holds two numbers"),
         ({"file": "text.nc"}, r"text\.nc: cannot be read as \.nc"),
         ({"file": "text.mat"}, r"text\.mat: cannot be read as \.mat"),
@@ -181,6 +184,36 @@ def test_text_among_the_numbers_is_named_with_its_line(mark, tmp_path):
         store.Record.read(tmp_path / "mine.csv", **NAMED)
     other = NAMED | {"input": {"column": "u", "units": "V"}, "output": NAMED["input"]}
     assert store.read_record(tmp_path / "mine.csv", **other).sizes["time"] == 20
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ("1.499,00", r"line 2: '1\.499,00' with a mark of thousands"),
+        ("1'499", 'line 2: "1\'499" with a mark of thousands'),
+        ("low", "line 2: 'low'"),
+    ],
+)
+def test_a_column_of_text_is_said_to_be_there(entry, told, tmp_path):
+    rows = [f"{k // 2},{5 * (k % 2)};{k % 3};{entry}" for k in range(20)]
+    (tmp_path / "mine.csv").write_text("\n".join(["t;u;y", *rows]))
+    with pytest.raises(InputError, match=rf"column: it has text \({told}\) in column 'y'\. Write"):
+        store.Record.read(tmp_path / "mine.csv", **NAMED)
+
+
+def test_a_number_with_a_mark_of_thousands_among_others_is_told_as_one(tmp_path):
+    rows = [f"{k % 3};{1.5 * k:.1f}".replace(".", ",") for k in range(20)]
+    rows[12] = "1;1.499,0"
+    (tmp_path / "mine.csv").write_text("\n".join(["u;y", *rows]))
+    told = r"column 'y': line 14: '1\.499,0' with a mark of thousands is not a number"
+    with pytest.raises(InputError, match=told):
+        store.Record.read(tmp_path / "mine.csv", **NAMED)
+
+
+def test_a_single_number_is_no_column(tmp_path):
+    savemat(tmp_path / "mine.mat", {"u": U, "y": 1.5})
+    with pytest.raises(InputError, match=r"it has a single number in column 'y'\."):
+        store.Record.read(tmp_path / "mine.mat", **NAMED)
 
 
 @pytest.mark.parametrize(

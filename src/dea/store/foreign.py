@@ -130,11 +130,17 @@ def _column(
     """
     name = declared.column
     if name not in table.columns:
+        known = f"columns of numbers are {', '.join(table.columns) or 'none'}"
+        told = table.no_numbers.get(name, "a single number" if name in table.constants else None)
         raise InputError(
-            f"{source.it} has no column {name!r}",
+            f"{source.it} has {told} in column {name!r}"
+            if told
+            else f"{source.it} has no column {name!r}",
             file=source.named,
             field=source.key(f"{role}.column"),
-            remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
+            remedy=f"Write numbers alone there, or name another: its {known}"
+            if told
+            else f"Its {known}",
         )
     stored = table.units.get(name, declared.units)
     if plain_units(declared.units) != plain_units(stored):

@@ -17,6 +17,10 @@ from dea.units import plain_units
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
+_THOUSANDS = re.compile(
+    r"[-+]?\d{1,3}(?P<mark>[.,'’ \u00a0\u202f])\d{3}((?P=mark)\d{3})*((?!(?P=mark))[.,]\d*)?"
+)
+_DECIMALS = re.compile(r"[-+]?\d+[.,]\d+")  # a number, in a table with the other mark
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
 _NUMERIC = 0.5
@@ -224,6 +228,8 @@ def _first_word(series: pd.Series, numbers: Array, place: Callable[[int], str]) 
     """Return the first entry that is text and no number, and where it is."""
     for row in np.flatnonzero(~np.isfinite(numbers) & series.notna().to_numpy()):
         cell = series.iloc[row]
-        if isinstance(cell, str) and cell.strip().lower() not in MISSING:
-            return f"{place(int(row))}: {cell.strip()!r}"
+        if isinstance(cell, str) and (word := cell.strip()).lower() not in MISSING:
+            thousands = _THOUSANDS.fullmatch(word) and not _DECIMALS.fullmatch(word)
+            marked = " with a mark of thousands" if thousands else ""
+            return f"{place(int(row))}: {word!r}{marked}"
     return None
