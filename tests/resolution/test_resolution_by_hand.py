@@ -25,8 +25,8 @@ def test_what_the_page_says_to_add_makes_a_case_that_is_read(tmp_path, units, ot
     page = experiment_page("rig", "resolve_2", design, LIMITS, {"a": 1.0}, units, others=others)
     entry = re.search(r"```yaml\n(.*?)```", page, re.DOTALL)[1]
     file = tmp_path / "rig.yaml"
-    column = "{column: a, units: V}"
-    record = f"{{file: a.csv, sampling_interval: 0.02, input: {column}, output: {column}}}\n"
+    columns = "input: {column: a, units: V}, output: {column: b, units: V}"
+    record = f"{{file: a.csv, sampling_interval: 0.02, {columns}}}\n"
     before = f"records:\n  another: {record}" if others else ""
     file.write_text(f"title: A rig\nrecord: {record}{before}{entry}")
     config = Path(__file__).parents[2] / "config/config.yaml"

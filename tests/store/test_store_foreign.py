@@ -176,13 +176,13 @@ def test_an_infinite_value_is_a_missing_one_where_it_is_asked_for(tmp_path):
 
 @pytest.mark.parametrize("mark", [".", ","])
 def test_text_among_the_numbers_is_named_with_its_line(mark, tmp_path):
-    rows = [f"{a:.4f};{b:.4f};ok".replace(".", mark) for a, b in zip(U, Y, strict=True)]
-    rows[10] = rows[10].split(";")[0] + ";Fehler;ok"
-    (tmp_path / "mine.csv").write_text("\n".join(["# made today", "", "u;y;state", *rows]))
+    rows = [f"{a:.4f};{b:.4f};ok;{b:.4f}".replace(".", mark) for a, b in zip(U, Y, strict=True)]
+    rows[10] = rows[10].split(";")[0] + ";Fehler;ok;0"
+    (tmp_path / "mine.csv").write_text("\n".join(["# made today", "", "u;y;state;z", *rows]))
     message = r"mine\.csv: column 'y': line 14: 'Fehler' is not a number\. Correct that entry"
     with pytest.raises(InputError, match=message):
         store.Record.read(tmp_path / "mine.csv", **NAMED)
-    other = NAMED | {"input": {"column": "u", "units": "V"}, "output": NAMED["input"]}
+    other = NAMED | {"output": {"column": "z", "units": "mm"}}
     assert store.read_record(tmp_path / "mine.csv", **other).sizes["time"] == 20
 
 
@@ -224,6 +224,7 @@ def test_a_single_number_is_no_column(tmp_path):
         ({"input": {"column": "u"}}, r"input\.units: missing. Give text: units"),
         ({"time": {"column": "u", "units": "s"}}, "time: both of time and sampling_interval given"),
         ({"output": {"column": "z", "units": "mm"}}, r"output\.column: .* no column 'z'"),
+        ({"output": {"column": "u", "units": "V"}}, "output: column 'u' is input and output"),
     ],
 )
 def test_columns_named_wrongly_are_refused(changes, message, tmp_path):
@@ -252,10 +253,11 @@ def test_a_record_of_the_study_needs_no_names(tmp_path):
 
 
 def test_a_record_may_have_several_inputs(tmp_path):
-    write_csv(tmp_path)
+    rows = np.column_stack([U, Y, U + Y])
+    np.savetxt(tmp_path / "mine.csv", rows, delimiter=",", header="u,v,y", comments="")
     several = case("mine.csv")
     first = several.pop("input")
-    several |= {"inputs": [first, {"column": "y", "units": "mm", "name": "again"}]}
+    several |= {"inputs": [first, {"column": "v", "units": "mm", "name": "again"}]}
     record = store.import_record(several, CASE, tmp_path)
     np.testing.assert_array_equal(record["input_1"], U)
     np.testing.assert_array_equal(record["input_2"], Y)

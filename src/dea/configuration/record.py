@@ -49,7 +49,7 @@ class RecordColumns(Section):
         return self.inputs or [column for column in (self.input,) if column is not None]
 
     @model_validator(mode="after")
-    def _one_input_or_several(self) -> Self:
+    def _columns_are_apart(self) -> Self:
         if (self.input is None) == (self.inputs is None):
             raise refuse(
                 "input",
@@ -63,6 +63,12 @@ class RecordColumns(Section):
         called = [column.name or column.column for column in self.driving]
         if len(set(called)) < len(called):
             raise refuse("inputs", "two have the same name", "Give each its own `name`.")
+        if self.output.column in names:
+            raise refuse(
+                "output",
+                f"column {self.output.column!r} is input and output",
+                "Name two columns.",
+            )
         return self
 
     @model_validator(mode="after")
