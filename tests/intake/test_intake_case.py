@@ -462,6 +462,7 @@ def test_one_time_that_stands_twice_is_named(folder, capsys):
     said = capsys.readouterr().err
     assert "sample 400 is at" in said
     assert "coarser" not in said
+    assert "Delete one of them, or give the samples per second, RATE=…, in place" in said
 
 
 def test_signals_of_different_length_are_named(folder, capsys):

@@ -148,6 +148,14 @@ def test_a_time_that_runs_backwards_is_refused_at_its_first_step(samples, tmp_pa
         store.check_record(backwards, tmp_path / "record.nc")
 
 
+def test_times_that_many_samples_share_are_not_said_to_be_0_s_apart(tmp_path):
+    whole = np.floor(record().time.values)
+    coarse = record().assign_coords(time=("time", whole, {"units": "s", "long_name": "time"}))
+    told = r"time: there is a step of 0 s after sample 0: it does not ascend\. Use a stretch"
+    with pytest.raises(InputError, match=told):
+        store.check_record(coarse, tmp_path / "record.nc")
+
+
 def test_a_gap_is_told_from_a_step_of_another_length(tmp_path):
     for late, kind in ((0.0101, "a gap"), (0.0099, "a step"), (-0.005, "a step")):
         time = record().time.values + np.where(np.arange(100) > 40, late, 0.0)

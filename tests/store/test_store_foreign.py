@@ -164,6 +164,35 @@ def test_a_record_whose_first_time_is_missing_begins_with_the_next_one(tmp_path)
     np.testing.assert_array_equal(record["output"], -np.arange(10.0, 20.0))
 
 
+def timed(folder, time):
+    rows = [f"{t!r},{k % 3},{k % 5}" for k, t in enumerate(np.asarray(time).tolist())]
+    (folder / "mine.csv").write_text("\n".join(["t,u,y", *rows]))
+    columns = {name: value for name, value in NAMED.items() if name != "sampling_interval"}
+    return columns | {"time": {"column": "t", "units": "s"}}
+
+
+@pytest.mark.parametrize("resampled", [{}, {"resample": 0.5}])
+def test_what_is_told_to_do_about_times_that_fall_back_can_be_done(resampled, tmp_path):
+    columns = timed(tmp_path, [*(0.5 * np.arange(12)), *(0.5 * np.arange(8))]) | resampled
+    told = r"time: sample 12 is at 0 s, the one before it at 5\.5 s\. Sort the record, or give its"
+    told += " `sampling_interval` in place of the time column"
+    with pytest.raises(InputError, match=told) as caught:
+        store.Record.read(tmp_path / "mine.csv", **columns)
+    assert caught.value.file == tmp_path / "mine.csv"
+    del columns["time"]
+    record = store.Record.read(tmp_path / "mine.csv", **columns, sampling_interval=0.5)
+    assert record.y.size == 20
+
+
+@pytest.mark.parametrize("resampled", [{}, {"resample": 0.5}])
+def test_a_time_that_stands_twice_is_told_as_one(resampled, tmp_path):
+    time = 0.5 * np.arange(20)
+    time[7] = time[6]
+    told = r"sample 7 is at 3 s, the one before it at 3 s\. Delete one of them, or give"
+    with pytest.raises(InputError, match=told):
+        store.Record.read(tmp_path / "mine.csv", **timed(tmp_path, time), **resampled)
+
+
 def test_an_infinite_value_is_a_missing_one_where_it_is_asked_for(tmp_path):
     y = Y.copy()
     y[3] = np.inf

@@ -263,7 +263,7 @@ def _check_times(time: Array) -> None:
     """
     told, counts = np.unique(time, return_counts=True)
     if np.median(counts) == 1 or told.size < 2 or np.any(np.diff(time) < 0):
-        store.check_order(time)
+        store.check_order(time, "the samples per second, RATE=…,")
         return
     rate = float(np.median(counts) / np.median(np.diff(told)))
     raise InputError(

@@ -14,7 +14,7 @@ from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record import require_squares
 from dea.store.record_checks import check_record
 from dea.store.records import input_variables
-from dea.store.resampling import IntervalError, Uniform, resample
+from dea.store.resampling import IntervalError, Uniform, check_order, resample
 from dea.units import SECONDS, plain_units
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ def import_record(
         flags["quality"] = ("time", missing.astype("uint8"), FLAG)
     else:
         _require_whole(time, u, y, file)
+        if described.time is not None:
+            _require_clock(time, source)
     record = xr.Dataset(
         {
             **{
@@ -215,6 +217,20 @@ def _require_whole(time: np.ndarray, u: np.ndarray, y: np.ndarray, file: Path) -
         field="resample",
         remedy=f"Give `resample` {interval} (s): missing samples are then flagged and left out",
     )
+
+
+def _require_clock(time: np.ndarray, source: _Source) -> None:
+    """Refuse times that do not ascend.
+
+    Raises
+    ------
+    InputError
+        Naming the setting that is given in place of them.
+    """
+    try:
+        check_order(time)
+    except InputError as error:
+        raise error.at(file=source.file) from error
 
 
 def _require_rows(rows: Sequence[int], count: int, source: _Source) -> None:

@@ -73,12 +73,20 @@ def _require_finite(values: np.ndarray, name: str, file: Path) -> None:
 
 def _require_uniform(time: np.ndarray, file: Path) -> None:
     steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0)
+    if back.size:
+        raise InputError(
+            f"there is a step of {steps[back[0]]:g} s after sample {back[0]}: it does not ascend",
+            file=file,
+            field="time",
+            remedy="Use a stretch in which it does",
+        )
     interval = np.median(steps)
-    bad = np.flatnonzero(np.abs(steps - interval) > 1e-3 * abs(interval))
-    if interval <= 0 or bad.size:
-        at = int(bad[0]) if bad.size else 0
+    bad = np.flatnonzero(np.abs(steps - interval) > 1e-3 * interval)
+    if bad.size:
+        at = int(bad[0])
         gap = steps[at]
-        kind = "a gap" if gap > 1.5 * interval > 0 else "a step"
+        kind = "a gap" if gap > 1.5 * interval else "a step"
         raise InputError(
             f"there is {kind} of {gap:g} s after sample {at}; samples are {interval:g} s apart",
             file=file,

@@ -61,8 +61,13 @@ def samples_per_interval(time: Array, interval: float) -> int:
     return max(round(interval / usual_interval(time)), 1)
 
 
-def check_order(time: Array) -> None:
+def check_order(time: Array, instead: str = "its `sampling_interval`") -> None:
     """Refuse times (samples,) in s that do not ascend.
+
+    Parameters
+    ----------
+    instead
+        What may be given in place of the times, for the message.
 
     Raises
     ------
@@ -72,10 +77,11 @@ def check_order(time: Array) -> None:
     back = np.flatnonzero(np.diff(time) <= 0)
     if back.size:
         at = int(back[0])
+        first = "Delete one of them" if time[at + 1] == time[at] else "Sort the record"
         raise InputError(
             f"sample {at + 1} is at {time[at + 1]:g} s, the one before it at {time[at]:g} s",
             field="time",
-            remedy="Sort the record, or give its sampling rate instead of the time column",
+            remedy=f"{first}, or give {instead} in place of the time column",
         )
 
 
