@@ -147,6 +147,17 @@ def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
     assert "Give the samples per second instead: RATE=20" in said
 
 
+@pytest.mark.parametrize("rows", [78, 110, 240])
+def test_the_rate_of_a_coarse_clock_is_not_that_of_its_first_second(folder, capsys, rows):
+    """Fifty samples a second of seconds since 1970, of which the first was under way."""
+    table = pd.read_csv("mine.csv").iloc[:rows]
+    table["t (s)"] = 1_700_000_000 + (np.arange(rows) + 22) // 50
+    table.to_csv("coarse.csv", index=False)
+    assert main(["coarse.csv"]) == 2
+    assert "28 samples are at 1700000000 s" in (said := capsys.readouterr().err)
+    assert said.endswith("RATE=50\n")
+
+
 def test_text_among_the_numbers_is_named(folder, capsys):
     lines = (folder / "mine.csv").read_text().splitlines()
     lines[499] = lines[499].rpartition(",")[0] + ",Fehler"

@@ -58,6 +58,12 @@ def test_times_that_fall_back_are_refused():
         resample(np.array([0.0, 1.0, 1.0, 2.0, 3.0]), np.arange(5.0), np.arange(5.0), 1.0)
 
 
+def test_times_since_1970_are_told_in_all_their_digits():
+    time = 1_700_000_000.0 + np.array([0.0, 1.0, 1.0, 2.0])
+    with pytest.raises(InputError, match="sample 2 is at 1700000001 s, the one before it at 17000"):
+        resample(time, np.arange(4.0), np.arange(4.0), 1.0)
+
+
 def test_fewer_than_three_whole_samples_are_refused():
     time = np.arange(5.0)
     u, y = straight(time)

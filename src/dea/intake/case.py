@@ -265,9 +265,11 @@ def _check_times(time: Array) -> None:
     if np.median(counts) == 1 or told.size < 2 or np.any(np.diff(time) < 0):
         store.check_order(time, "the samples per second, RATE=…,")
         return
-    rate = float(np.median(counts) / np.median(np.diff(told)))
+    # In the first and the last of the times there are fewer samples than in others.
+    whole = counts[1:-1] if told.size > 2 else counts.max()
+    rate = float(np.median(whole) / np.median(np.diff(told)))
     raise InputError(
-        f"{counts[0]} samples are at {told[0]:g} s: the clock is coarser than the samples",
+        f"{counts[0]} samples are at {told[0]:.12g} s: the clock is coarser than the samples",
         field="time",
         remedy=f"Give the samples per second instead: RATE={rate:g}",
     )

@@ -79,7 +79,7 @@ def check_order(time: Array, instead: str = "its `sampling_interval`") -> None:
         at = int(back[0])
         first = "Delete one of them" if time[at + 1] == time[at] else "Sort the record"
         raise InputError(
-            f"sample {at + 1} is at {time[at + 1]:g} s, the one before it at {time[at]:g} s",
+            f"sample {at + 1} is at {time[at + 1]:.12g} s, the one before it at {time[at]:.12g} s",
             field="time",
             remedy=f"{first}, or give {instead} in place of the time column",
         )
