@@ -158,6 +158,21 @@ def test_the_rate_of_a_coarse_clock_is_not_that_of_its_first_second(folder, caps
     assert said.endswith("RATE=50\n")
 
 
+@pytest.mark.parametrize("rate", [75, 128])
+def test_rounded_times_are_told_with_the_rate_that_makes_the_record_whole(folder, capsys, rate):
+    table = pd.read_csv("mine.csv")
+    table["t (s)"] = np.floor(100 * np.arange(len(table)) / rate + 1e-9) / 100
+    table.loc[[20, 50], "y (mm)"] = np.nan
+    table.to_csv("rounded.csv", index=False)
+    assert main(["rounded.csv"]) == 2
+    said = capsys.readouterr().err
+    assert f"time: times of {rate} samples a second are rounded to 0.01 s. Give" in said
+    assert said.endswith(f"RATE={rate}\n")
+    assert main(["rounded.csv", "--rate", str(rate)]) == 0
+    record = store.signals(store.import_record(described(folder, "rounded")))
+    assert np.flatnonzero(np.isnan(record.y)).tolist() == [20, 50]
+
+
 def test_text_among_the_numbers_is_named(folder, capsys):
     lines = (folder / "mine.csv").read_text().splitlines()
     lines[499] = lines[499].rpartition(",")[0] + ",Fehler"

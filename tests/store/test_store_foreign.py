@@ -184,6 +184,28 @@ def test_what_is_told_to_do_about_times_that_fall_back_can_be_done(resampled, tm
     assert record.y.size == 20
 
 
+@pytest.mark.parametrize("resampled", [{}, {"resample": 0.01}])
+@pytest.mark.parametrize(
+    ("rate", "interval"), [(75, "0.01333333333"), (150, "0.006666666667"), (125, "0.008")]
+)
+def test_rounded_times_are_told_with_the_interval_that_can_be_given(
+    rate, interval, resampled, tmp_path
+):
+    columns = timed(tmp_path, np.round(1.7e9 + np.arange(600) / rate, 2))
+    told = rf"time: times of .* are rounded to 0\.01 s\. Give `sampling_interval` {interval} \(s\)"
+    with pytest.raises(InputError, match=told):
+        store.Record.read(tmp_path / "mine.csv", **columns | resampled)
+    del columns["time"]
+    record = store.Record.read(tmp_path / "mine.csv", **columns, sampling_interval=float(interval))
+    assert record.sampling_rate == pytest.approx(rate)
+
+
+def test_rounded_times_may_be_interpolated_to_their_own_rate(tmp_path):
+    columns = timed(tmp_path, np.floor(100 * np.arange(600) / 75) / 100)
+    record = store.Record.read(tmp_path / "mine.csv", **columns, resample=1 / 75)
+    assert record.left_out == 0
+
+
 @pytest.mark.parametrize("resampled", [{}, {"resample": 0.5}])
 def test_a_time_that_stands_twice_is_told_as_one(resampled, tmp_path):
     time = 0.5 * np.arange(20)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dea.errors import InputError
-from dea.store.resampling import resample, usual_interval
+from dea.store.resampling import resample, rounding, usual_interval
 
 
 def straight(time):
@@ -225,3 +225,35 @@ def test_a_time_that_is_far_off_is_refused_before_memory_is_asked_for(interval, 
 def test_a_long_pause_is_a_gap():
     time = np.concatenate([0.02 * np.arange(300), 3600.0 + 0.02 * np.arange(300)])
     assert resample(time, time, time, 0.02).missing.sum() == 180_000 - 300
+
+
+@pytest.mark.parametrize("to", [0.01, 1.0, 0.0125])
+@pytest.mark.parametrize("rate", [60.0, 75.0, 140.8, 128.0, 150.0])
+@pytest.mark.parametrize("rounded", [np.floor, np.round])
+def test_the_rate_behind_rounded_times_is_found(rate, to, rounded):
+    time = to * rounded((0.37 + np.arange(600) / rate) / to)
+    found = rounding(time)
+    assert found.to == pytest.approx(to)
+    assert found.rate == pytest.approx(rate, rel=2 * min(to, 1 / rate) * rate / 600)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("lost", [1, 5, 20, 120])
+def test_missing_samples_are_no_rounding(lost, seed):
+    gone = np.random.default_rng(seed).choice(600, lost, replace=False)
+    assert rounding(0.01 * np.delete(np.arange(600), gone)) is None
+
+
+@pytest.mark.parametrize(
+    "time",
+    [
+        0.02 * np.arange(600),
+        np.round(np.arange(600) / 30, 2),  # steps of 3 and 4: jitter
+        np.arange(600) / 75 + np.random.default_rng(0).uniform(-2e-3, 2e-3, 600),
+        np.floor(np.arange(60) / 50),  # one change alone
+        -np.floor(np.arange(600) / 50),
+        np.zeros(600),
+    ],
+)
+def test_times_that_tell_each_sample_are_not_taken_for_rounded(time):
+    assert rounding(time) is None

@@ -180,7 +180,7 @@ def _resampling(
     that changes nothing.
     """
     y = table.columns[roles.output[0]]
-    _check_times(time[known])
+    _check_times(time[known], time[np.isfinite(time)])
     interval = store.usual_interval(time[known])
     steps = np.diff(time[known])
     if np.mean(steps < 0.5 * interval) > _SEVERAL_RATES:
@@ -253,23 +253,35 @@ def _check_lengths(table: store.ForeignTable, roles: Roles) -> None:
         )
 
 
-def _check_times(time: Array) -> None:
-    """Refuse times that do not ascend; where several samples share each, say their rate.
+def _check_times(time: Array, all_times: Array) -> None:
+    """Refuse times that do not ascend, or are so coarse that samples seem to be missing.
+
+    Parameters
+    ----------
+    time, all_times
+        Of the samples that have all their values, and of every sample.
 
     Raises
     ------
     InputError
-        Naming the first sample at fault.
+        Naming the first sample at fault, and the rate where it is known.
     """
+    steps = np.diff(time)
     told, counts = np.unique(time, return_counts=True)
-    if np.median(counts) == 1 or told.size < 2 or np.any(np.diff(time) < 0):
-        store.check_order(time, "the samples per second, RATE=…,")
-        return
-    # In the first and the last of the times there are fewer samples than in others.
-    whole = counts[1:-1] if told.size > 2 else counts.max()
-    rate = float(np.median(whole) / np.median(np.diff(told)))
-    raise InputError(
-        f"{counts[0]} samples are at {told[0]:.12g} s: the clock is coarser than the samples",
-        field="time",
-        remedy=f"Give the samples per second instead: RATE={rate:g}",
-    )
+    coarse = told.size > 1 and bool(np.median(counts) > 1)
+    uneven = np.ptp(steps) > 0.5 * np.median(steps)
+    rounded = store.rounding(all_times) if np.all(steps >= 0) and uneven else None
+    if coarse and np.all(steps >= 0):
+        # In the first and the last of the times there are fewer samples than in others.
+        whole = counts[1:-1] if told.size > 2 else counts.max()
+        rate = rounded.rate if rounded else float(np.median(whole) / np.median(np.diff(told)))
+        problem = (
+            f"{counts[0]} samples are at {told[0]:.12g} s: the clock is coarser than the samples"
+        )
+    elif rounded:
+        rate = rounded.rate
+        problem = f"times of {rate:.6g} samples a second are rounded to {rounded.to:.3g} s"
+    else:
+        return store.check_order(time, "the samples per second, RATE=…,")
+    remedy = f"Give the samples per second instead: RATE={rate:.6g}"
+    raise InputError(problem, field="time", remedy=remedy)

@@ -14,7 +14,7 @@ from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record import require_squares
 from dea.store.record_checks import check_record
 from dea.store.records import input_variables
-from dea.store.resampling import IntervalError, Uniform, check_order, resample
+from dea.store.resampling import IntervalError, Uniform, check_order, resample, rounding
 from dea.units import SECONDS, plain_units
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def _resampled(
 ) -> Uniform:
     """Return the record at uniform times; an error names the file or setting at fault."""
     try:
-        return resample(time, u, y, interval)
+        found = resample(time, u, y, interval)
     except IntervalError as error:
         raise InputError(
             f"{source.it}: {error.problem}" if source.case_file else error.problem,
@@ -176,7 +176,12 @@ def _resampled(
             remedy=error.remedy,
         ) from error
     except InputError as error:
+        _refuse_rounding(time, source)
         raise error.at(file=source.file) from error
+    there = np.isfinite(time) & np.isfinite(u).all(axis=1) & np.isfinite(y)
+    if np.count_nonzero(found.missing) > np.count_nonzero(~there):
+        _refuse_rounding(time, source)
+    return found
 
 
 def _of_column(values: np.ndarray, column: "Column") -> Described:
@@ -220,17 +225,36 @@ def _require_whole(time: np.ndarray, u: np.ndarray, y: np.ndarray, file: Path) -
 
 
 def _require_clock(time: np.ndarray, source: _Source) -> None:
-    """Refuse times that do not ascend.
+    """Refuse times that do not ascend, or are rounded so that samples seem to be missing.
 
     Raises
     ------
     InputError
         Naming the setting that is given in place of them.
     """
+    _refuse_rounding(time, source)
     try:
         check_order(time)
     except InputError as error:
         raise error.at(file=source.file) from error
+
+
+def _refuse_rounding(time: np.ndarray, source: _Source) -> None:
+    """Refuse times that are rounded so that samples share one or seem to be missing.
+
+    Raises
+    ------
+    InputError
+        Naming the interval that is given in place of them.
+    """
+    if (found := rounding(time[np.isfinite(time)])) is not None:
+        raise InputError(
+            f"times of {found.rate:.6g} samples a second are rounded to {found.to:.3g} s",
+            file=source.file,
+            field="time",
+            remedy=f"Give `sampling_interval` {1.0 / found.rate:.10g} (s) in place of the time"
+            " column",
+        )
 
 
 def _require_rows(rows: Sequence[int], count: int, source: _Source) -> None:

@@ -14,6 +14,10 @@ from dea.errors import InputError
 _NEIGHBOURS, _CLOSE, _SHIFT = 1.6, 0.25, 0.05
 # Times for each sample that was measured, above which a time is taken to be wrong.
 _MOST = 1000
+# Of times that are taken to be rounded: how many steps at least are unlike most, and which share of
+# all (fewer are missing samples), how far beyond the rounding a time may be from those of the rate,
+# and how close its steps are to whole multiples of the rounding.
+_UNLIKE, _SHARE, _BEYOND, _WHOLE = 5, 1 / 30, 1.2, 1e-3
 
 
 class IntervalError(InputError):
@@ -59,6 +63,53 @@ def samples_per_interval(time: Array, interval: float) -> int:
         In units of ``time``.
     """
     return max(round(interval / usual_interval(time)), 1)
+
+
+class Rounding(NamedTuple):
+    """What times are rounded to, in s, and how many samples there are in a second."""
+
+    to: float
+    rate: float
+
+
+def rounding(time: Array) -> Rounding | None:
+    """Return how the times of samples of one rate, none of them missing, are rounded.
+
+    Only where it is so coarse that samples share a time or seem to be missing, as of 75 samples a
+    second whose times are multiples of 10 ms.
+
+    Parameters
+    ----------
+    time
+        Shape (samples,), in s.
+    """
+    steps = np.diff(time)
+    changes = np.flatnonzero(steps > 0) + 1
+    if np.any(steps < 0) or changes.size < 2:
+        return None
+    to = float(steps[changes - 1].min())
+    several = np.round(steps / to)
+    kinds, counts = np.unique(several, return_counts=True)
+    usual = kinds[np.argmax(counts)]
+    unlike = steps.size - counts.max()
+    if np.any(np.abs(steps / to - several) > _WHOLE) or kinds.size == 1:
+        return None
+    if usual > 0 and unlike < max(_UNLIKE, _SHARE * steps.size):
+        return None
+    count = np.arange(time.size) - 0.5 * (time.size - 1)
+    off = time - time.mean() - count * (count @ time) / (count @ count)
+    if np.ptp(off) > _BEYOND * to:
+        return None
+    first, last = changes[0], changes[-1]
+    lasting = float(time[last] - time[first])
+    rate = float(last - first) / lasting
+    return Rounding(to, _shortest(rate, min(1.0 / rate, to) / lasting))
+
+
+def _shortest(value: float, uncertain: float) -> float:
+    """Return the number of fewest digits that differs by no more than an ``uncertain`` share."""
+    rounded = (float(f"{value:.{digits}g}") for digits in range(1, 17))
+    return next(each for each in rounded if abs(each - value) <= max(uncertain, 1e-15) * value)
 
 
 def check_order(time: Array, instead: str = "its `sampling_interval`") -> None:
