@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dea import store
 from dea.configuration.record import Column, RecordFile
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, answer, command, described
@@ -19,11 +20,6 @@ _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive",
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest"}
 # Whole names, a number behind them at most: as words of a longer one they are prepositions.
 _ALONE = {"in", "out"}
-# A "t" within a longer name is more often a temperature or a torque.
-_TIME = {
-    "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
-    "micros",
-}  # fmt: skip
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
 _Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
@@ -109,10 +105,10 @@ def find_roles(
     named = next(iter(said["time"] or earlier["time"]), None)
     if not said["time"]:
         _refuse_falling_time(
-            table, named[0] if named else _called_time(table), rate, file, inferred
+            table, named[0] if named else store.called_time(table), rate, file, inferred
         )
     time, interval = _timing(table, named, rate, inferred, file)
-    clock = named[0] if named else _time_column(table)
+    clock = named[0] if named else store.time_column(table)
     if rate is not None and (clock is not None or of_the_case):
         unused = f"; column {clock!r} is not used" if clock is not None else ""
         of_case = f"{_KEPT}{_otherwise(table, rate)}" if of_the_case else ""
@@ -259,9 +255,9 @@ def _timing(
     """
     if rate is not None:
         return None, 1.0 / rate
-    name, units = said or (_time_column(table), None)
+    name, units = said or (store.time_column(table), None)
     if name is not None:
-        units = units or table.units.get(name) or _named_units(name)
+        units = units or table.units.get(name) or store.units_in_name(name)
         if units is None and not _may_be_seconds(table.columns[name]):
             return (name, None), None
         if units is None:
@@ -306,34 +302,6 @@ def _stated_interval(table: ForeignTable) -> tuple[str, float] | None:
             value = factor * table.constants[constant]
             return constant, value if scale is SECONDS else 1.0 / value
     return None
-
-
-def _named_units(name: str) -> str | None:
-    """Return the units of a time of which the last word of its name tells: ``time_ms``."""
-    units = plain_units(re.split(r"[^a-z0-9]+", name.lower())[-1])
-    return units if units in SECONDS else None
-
-
-def _time_column(table: ForeignTable) -> str | None:
-    """Return the column that is the time by its name, as dates, or the first one by its units."""
-    name = _called_time(table)
-    return name if name is not None and _ascends(table.columns[name]) else None
-
-
-def _called_time(table: ForeignTable) -> str | None:
-    """Return the likeliest column: units of time beside its name, then the name, dates, units."""
-    possible = [name for name in table.columns if table.units.get(name, "s") in SECONDS]
-    named = list(filter(_named(_TIME), possible))
-    lone = list(filter(_is_t, possible))
-    sure = [name for name in (*named, *lone) if name in table.units or _named_units(name)]
-    first = [name for name in list(table.columns)[:1] if table.units.get(name) in SECONDS]
-    return next(iter((*sure, *named, *table.clocks, *first, *lone)), None)
-
-
-def _is_t(name: str) -> bool:
-    """Tell whether a name is ``t``, with nothing behind it but a unit of time: ``t_ms``."""
-    parts = re.split(r"[^a-z0-9]+", name.lower().strip())
-    return parts[0] == "t" and (len(parts) == 1 or (len(parts) == 2 and bool(_named_units(name))))
 
 
 def _refuse_falling_time(
@@ -437,8 +405,3 @@ def _named(words: set[str]) -> Callable[[str], bool]:
         return whole in words or alone or bool((words - _ALONE).intersection(parts))
 
     return matches
-
-
-def _ascends(values: np.ndarray) -> bool:
-    there = values[np.isfinite(values)]
-    return there.size > 2 and bool(np.all(np.diff(there) >= 0)) and there[-1] > there[0]

@@ -5,7 +5,14 @@ from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.foreign_files import ForeignTable, SeveralSheetsError, read_foreign
+from dea.store.foreign_files import (
+    ForeignTable,
+    SeveralSheetsError,
+    called_time,
+    read_foreign,
+    time_column,
+    units_in_name,
+)
 from dea.store.record import (
     Record,
     Text,
@@ -33,6 +40,7 @@ __all__ = [
     "Text",
     "Variable",
     "atomic",
+    "called_time",
     "check_order",
     "check_record",
     "complex_parts",
@@ -49,6 +57,8 @@ __all__ = [
     "samples_per_interval",
     "sha256",
     "signals",
+    "time_column",
+    "units_in_name",
     "usual_interval",
     "variable",
     "write",
