@@ -215,6 +215,78 @@ def test_a_time_that_stands_twice_is_told_as_one(resampled, tmp_path):
         store.Record.read(tmp_path / "mine.csv", **timed(tmp_path, time), **resampled)
 
 
+def with_times(folder, time, heading="t (s)"):
+    rows = [f"{t!r},{k % 3},{k % 5}" for k, t in enumerate(np.asarray(time, float).tolist())]
+    (folder / "mine.csv").write_text("\n".join([f"{heading},u,y", *rows]))
+    return folder / "mine.csv"
+
+
+STEPS = np.arange(400)
+JITTER = np.random.default_rng(0).uniform(-0.2, 0.2, 400)
+LATE = STEPS + np.where(STEPS % 60 == 30, 0.9, 0.0)  # some are stamped late, none is missing
+GAP = STEPS + np.where(STEPS > 250, 3, 0)
+
+
+@pytest.mark.parametrize(
+    ("time", "heading", "told"),
+    [
+        (0.02 * STEPS, "t (s)", r"it is 0\.5 s, and column 't' says 0\.02 s\. Correct it, or give"),
+        (20.0 * STEPS, "t_ms", r"and column 't_ms' says 0\.02 s\. Correct"),
+        (20.0 * STEPS, "t", r"and column 't' has steps of 20\. Correct"),
+        (STEPS // 50, "t (s)", r"and column 't' says 0\.02 s"),
+        (np.floor(100 * STEPS / 75) / 100, "t (s)", r"and column 't' says 0\.01333 s"),
+        (
+            0.5 * GAP,
+            "t (s)",
+            r"column 't' has a gap of 2 s after sample 250\. Give time=\{'column'",
+        ),
+        (
+            500 * GAP,
+            "t",
+            r"gap of 2 s .* Give time=\{'column': 't', 'units': 'ms'\}.*resample=0\.5",
+        ),
+        (0.5 * (GAP + JITTER), "t (s)", r"has a gap of .* after sample 250"),
+    ],
+)
+def test_an_interval_that_the_times_contradict_is_refused(time, heading, told, tmp_path):
+    file = with_times(tmp_path, time, heading)
+    with pytest.raises(InputError, match=rf"sampling_interval: .*{told}") as caught:
+        store.Record.read(file, **NAMED)
+    assert caught.value.file == file
+
+
+@pytest.mark.parametrize(
+    ("time", "heading"),
+    [
+        (0.5 * STEPS, "t (s)"),
+        (0.497 * STEPS, "t (s)"),
+        (500 * STEPS, "t"),
+        (STEPS, "t"),  # counts samples
+        (STEPS // 2, "t (s)"),
+        (0.5 * (STEPS + JITTER), "t (s)"),
+        (0.5 * LATE, "t (s)"),
+        (0.02 * (STEPS % 300), "t (s)"),  # falls back
+        (0.02 * np.maximum(STEPS, 7), "t (s)"),  # stands still
+        (0.02 * STEPS, "T film"),
+    ],
+)
+def test_an_interval_that_the_times_allow_is_taken(time, heading, tmp_path):
+    record = store.Record.read(with_times(tmp_path, time, heading), **NAMED)
+    assert record.sampling_rate == pytest.approx(2.0)
+
+
+def test_a_gap_outside_the_rows_that_are_read_is_none(tmp_path):
+    file = with_times(tmp_path, 0.5 * GAP)
+    assert store.Record.read(file, **NAMED, rows=[251, -1]).y.size == 148
+
+
+def test_what_is_told_to_do_about_a_gap_flags_it(tmp_path):
+    columns = {name: value for name, value in NAMED.items() if name != "sampling_interval"}
+    columns["time"] = {"column": "t", "units": "s"}
+    record = store.Record.read(with_times(tmp_path, 0.5 * GAP), **columns, resample=0.5)
+    assert np.flatnonzero(np.isnan(record.y)).tolist() == [251, 252, 253]
+
+
 def test_an_infinite_value_is_a_missing_one_where_it_is_asked_for(tmp_path):
     y = Y.copy()
     y[3] = np.inf

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
+from dea.store.clock_agreement import require_interval
 from dea.store.described import Described, variable
 from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record import require_squares
@@ -28,6 +29,8 @@ def import_record(
     case_file: Path | None = None,
     root: Path = Path(),
     place: str = "record",
+    *,
+    compare_times: bool = False,
 ) -> xr.Dataset:
     """Read the record a case file describes as time (s), input and output.
 
@@ -41,6 +44,8 @@ def import_record(
         samples that jitter are interpolated and closer ones averaged.
     case_file, place
         Named in error messages, where the settings come from one, and their key in it.
+    compare_times
+        Refuse a ``sampling_interval`` that a column of times contradicts.
 
     Raises
     ------
@@ -73,7 +78,11 @@ def import_record(
         time = time - next(iter(time[np.isfinite(time)]), 0.0)
     else:
         assert described.sampling_interval is not None
-        time = float(described.sampling_interval) * np.arange(y.size, dtype=float)
+        interval = float(described.sampling_interval)
+        if compare_times:
+            named = [each.column for each in (*driving, described.output)]
+            require_interval(table, named, described.rows, interval, file)
+        time = interval * np.arange(y.size, dtype=float)
     flags = {}
     if described.resample is not None:
         time, u, y, missing = _resampled(source, time, u, y, float(described.resample))

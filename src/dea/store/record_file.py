@@ -28,8 +28,9 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     columns
         For a file of other columns, what a case file says of it: ``input`` and ``output``, each
         ``{"column": …, "units": …}`` with optionally a ``name``, or a list of such ``inputs``;
-        ``time`` likewise, or ``sampling_interval`` in seconds; optionally ``rows`` =
-        [first, last + 1] and ``resample`` in seconds.
+        ``time`` likewise, or ``sampling_interval`` in seconds, which a column of times that the
+        file has may not contradict; optionally ``rows`` = [first, last + 1] and ``resample`` in
+        seconds.
 
     Returns
     -------
@@ -41,8 +42,8 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing or not named, or the record is not whole
-        (:func:`check_record`).
+        If the file cannot be read, a column is missing or not named, the file's own times are of
+        another interval, or the record is not whole (:func:`check_record`).
     """
     file = Path(path)
     if columns:
@@ -51,7 +52,7 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
         from dea.configuration.record import RecordColumns
 
         validated(RecordColumns, columns, file)
-        return import_record({"file": str(file), **columns})
+        return import_record({"file": str(file), **columns}, compare_times=True)
     if file.suffix.lower() in FORMATS and file.suffix.lower() != ".nc":
         raise InputError(
             "nothing says which of its columns are input and output",
