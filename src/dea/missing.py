@@ -14,6 +14,10 @@ from dea.errors import InputError
 _SHORTEST = 3  # lags that a stretch holds at least
 
 
+class ShortPartError(InputError):
+    """A part is shorter than the lags take, however good its samples are."""
+
+
 def filled(y: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Return ``y`` with missing samples interpolated, and which samples were there, (samples,).
 
@@ -52,7 +56,7 @@ def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) ->
     Raises
     ------
     InputError
-        Where there is none.
+        Where there is none; :class:`ShortPartError` where the part is too short for any.
     """
     first = part.indices(seen.size)[0]
     shortest = max(_SHORTEST * lag, lag + terms) + 1
@@ -64,7 +68,7 @@ def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) ->
     if not found:
         last = part.indices(seen.size)[1] - 1
         if last - first + 1 < shortest:
-            raise InputError(
+            raise ShortPartError(
                 f"samples {first} to {last} are {last - first + 1}, of which lags and terms take"
                 f" {shortest}",
                 field="y",

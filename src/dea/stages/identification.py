@@ -10,7 +10,8 @@ import numpy as np
 from dea import store
 from dea.configuration.lags import largest_lag
 from dea.errors import InputError
-from dea.missing import stretches
+from dea.missing import ShortPartError, stretches
+from dea.stages.misfit import at_setting
 
 
 def segment(
@@ -30,13 +31,12 @@ def segment(
     first = round(start * signals.sampling_rate)
     last = first + round(length * signals.sampling_rate)
     if last > signals.y.size:
-        raise InputError(
+        problem = InputError(
             f"the segment from {start:g} s, {length:g} s long, ends after the record, which is "
             f"{signals.y.size / signals.sampling_rate:g} s long",
-            file=file,
-            field=f"{section}.start, {section}.length",
             remedy="Choose a segment inside the record.",
         )
+        raise at_setting(problem, file, f"{section}.start", f"{section}.length")
     return slice(first, last)
 
 
@@ -55,13 +55,12 @@ def with_independent(
     start, end = identification["start"], identification["start"] + identification["length"]
     later = orders.get("start", end)
     if later <= start:
-        raise InputError(
+        problem = InputError(
             f"the independent data from {later:g} s on leave nothing of the segment from "
             f"{start:g} s on",
-            file=file,
-            field="orders.start, identification.start",
             remedy="Begin the segment earlier, or the independent data later.",
         )
+        raise at_setting(problem, file, "orders.start", "identification.start")
     return (
         segment(signals, start, min(end, later) - start, file),
         segment(signals, later, orders["length"], file, "orders"),
@@ -78,9 +77,12 @@ def good_stretches(
     InputError
         If none is long enough for the lags of ``identification``.
     """
-    lag = largest_lag(identification["y_lags"], identification["u_lags"])
+    lags = {name: largest_lag(identification[name]) for name in ("y_lags", "u_lags")}
+    largest = max(lags, key=lambda name: lags[name])
     try:
-        found = stretches(np.isfinite(signals.y), part, lag)
+        found = stretches(np.isfinite(signals.y), part, lags[largest])
+    except ShortPartError as error:
+        raise at_setting(error, file, f"identification.{largest}") from error
     except InputError as error:
         raise error.at(file=file, field="quality") from error
     return [signals.u[each] for each in found], [signals.y[each] for each in found]

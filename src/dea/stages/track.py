@@ -12,28 +12,40 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     import xarray as xr
 
     from dea import store
+    from dea.errors import InputError
     from dea.narx import NarxModel
+    from dea.stages.misfit import at_setting
     from dea.tracking import METHODS, compare_free_runs, track_parameters
 
     chosen = settings["tracking"]
     signals = store.signals(store.read_record(record))
     narx = NarxModel.load(model)
-    tracks = {
-        method: track_parameters(
-            narx,
-            signals.u,
-            signals.y,
-            method=method,
-            instants=chosen["instants"],
-            sampling_rate=signals.sampling_rate,
-            **chosen["trackers"][method],
+    tracks = {}
+    for method in filter(chosen["trackers"].__contains__, METHODS):
+        own = chosen["trackers"][method]
+        try:
+            tracks[method] = track_parameters(
+                narx,
+                signals.u,
+                signals.y,
+                method=method,
+                instants=chosen["instants"],
+                sampling_rate=signals.sampling_rate,
+                **own,
+            )
+        except InputError as error:
+            if error.field not in own:
+                raise
+            key = f"tracking.trackers.{method}.{error.field}"
+            raise at_setting(error, record, key) from error
+    try:
+        free_runs = compare_free_runs(
+            narx, tracks, signals.u, signals.y, window=chosen["frozen_window"]
         )
-        for method in METHODS
-        if method in chosen["trackers"]
-    }
-    free_runs = compare_free_runs(
-        narx, tracks, signals.u, signals.y, window=chosen["frozen_window"]
-    )
+    except InputError as error:
+        if error.field != "window":
+            raise
+        raise at_setting(error, record, "tracking.frozen_window") from error
     words = {
         "estimator": "method that the estimate is of",
         "withheld": "why no interval holds",
