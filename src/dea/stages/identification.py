@@ -11,7 +11,7 @@ from dea import store
 from dea.configuration.lags import largest_lag
 from dea.errors import InputError
 from dea.missing import ShortPartError, stretches
-from dea.stages.misfit import at_setting
+from dea.stages.setting_source import at_setting
 
 
 def segment(

@@ -14,7 +14,7 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     from dea import store
     from dea.errors import InputError
     from dea.narx import NarxModel
-    from dea.stages.misfit import at_setting
+    from dea.stages.setting_source import at_setting
     from dea.tracking import METHODS, compare_free_runs, track_parameters
 
     chosen = settings["tracking"]

@@ -14,7 +14,7 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
     from dea.narx import NarxModel, Windows, linear_model
     from dea.narx import validate as validate_models
     from dea.stages.identification import good_stretches, segment
-    from dea.stages.misfit import at_setting
+    from dea.stages.setting_source import at_setting
 
     identification, choice = settings["identification"], settings["validation"]
     signals = store.signals(store.read_record(record))
