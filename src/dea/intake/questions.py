@@ -8,6 +8,8 @@ import numpy as np
 from dea.errors import InputError
 from dea.store import ForeignTable
 
+KEPT = ", kept from the case"  # said of what an earlier case of the file answered
+
 
 class UnansweredError(InputError):
     """Something that only the user knows; the message shows the columns and how to answer."""
