@@ -39,6 +39,29 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.parametrize("mark", [-999.0, 9999.0])
+def test_a_number_that_marks_missing_outputs_is_refused(folder, mark, capsys):
+    table = pd.read_csv("mine.csv")
+    table.loc[[100, 101], "y (mm)"] = mark
+    table.to_csv("mine.csv", index=False)
+    assert main(["mine.csv"]) == 2
+    said = capsys.readouterr().err
+    assert f"line 102: 2 entries are {mark:g}, far from all others" in said
+    assert "mine.csv: column 'y'" in said
+    assert "Empty these entries: they then count as missing" in said
+    table.loc[[100, 101], "y (mm)"] = np.nan
+    table.to_csv("mine.csv", index=False)
+    assert main(["mine.csv"]) == 0
+
+
+@pytest.mark.parametrize("low", [-1.2, 0.0])
+def test_an_output_that_rests_or_is_held_by_a_limit_holds_no_mark(folder, low):
+    table = pd.read_csv("mine.csv")
+    table["y (mm)"] = table["y (mm)"].clip(low, None)
+    table.to_csv("mine.csv", index=False)
+    assert main(["mine.csv"]) == 0
+
+
 def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(folder, capsys):
     assert main(["mine.csv"]) == 0
     assert capsys.readouterr().out == "mine\n"

@@ -23,6 +23,9 @@ _JITTER = 1e-3  # share of the interval up to which times count as uniform
 # How many times as far from the median as all others an output is that is no measurement, and one
 # of how many samples may be so far.
 _FAR, _FEW = 1e8, 100
+# Ranges of all other outputs by which one is away that marks what is missing, as -999 does, and its
+# least number; no more than a part of the samples is marked so, and others hold as many values.
+_AWAY, _TWICE, _MARKED, _VALUES = 10.0, 2, 0.1, 10
 _SEVERAL_RATES = 0.1  # share of steps below half of the usual one that are no jitter
 
 
@@ -71,6 +74,7 @@ def infer_case(
         time = _times(table, roles)
         known = _known(table, roles, time)
         _refuse_far_outputs(table, roles.output[0])
+        _refuse_marks(table, roles.output[0])
         resample, notes = _resampling(table, roles, time, known, may_average=simulation is None)
         record |= {"resample": resample} if resample else {}
         signals = store.signals(store.import_record(record))
@@ -233,6 +237,31 @@ def _refuse_far_outputs(table: store.ForeignTable, name: str) -> None:
             field=f"column {name!r}",
             remedy="Correct that entry, or empty it: it then counts as missing",
         )
+
+
+def _refuse_marks(table: store.ForeignTable, name: str) -> None:
+    """Refuse a number that stands for missing outputs: one value again and again, far from others.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    y = table.columns[name]
+    there = y[np.isfinite(y)]
+    for mark in (there.min(), there.max()) if there.size else ():
+        others = there[there != mark]
+        count = there.size - others.size
+        if not _TWICE <= count <= _MARKED * there.size or np.unique(others).size < _VALUES:
+            continue
+        if np.abs(others - mark).min() > _AWAY * np.ptp(others):
+            row = int(np.flatnonzero(y == mark)[0])
+            raise InputError(
+                f"{table.place(row)}: {count} entries are {mark:g}, far from all others, as a mark "
+                "of what is missing is",
+                field=f"column {name!r}",
+                remedy="Empty these entries: they then count as missing",
+            )
 
 
 def _check_lengths(table: store.ForeignTable, roles: Roles) -> None:
