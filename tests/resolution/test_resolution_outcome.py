@@ -138,7 +138,7 @@ def test_what_leaves_more_than_a_right_explanation_is_no_hypothesis(
         presence=SimpleNamespace(candidates=(left("drift", drift), fault)),
         singles=SimpleNamespace(candidates=(hum, fault)),
     )  # fmt: skip
-    monkeypatch.setattr("dea.resolution.weighing.explained", lambda fitted, *_: fitted)
+    monkeypatch.setattr("dea.resolution.weighing.explanation_of", lambda fitted, *_: fitted)
     monkeypatch.setattr("dea.resolution.weighing._error", lambda found: None)
     assert set(_explanations(found)) == kept
 
