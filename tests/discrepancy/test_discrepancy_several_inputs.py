@@ -22,12 +22,21 @@ from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.residual_model import dictionary
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.records import signals_of
+from dea.discrepancy.records import prepare, signals_of
 from dea.errors import InputError
 from dea.resolution import Limits, Options
 from dea.resolution.knowledge import Inquiry
 from dea.resolution.weighing import begun
-from dea.simulation import ExtendedSimulation, catalogue, load_extended, save_extended
+from dea.simulation import (
+    ExtendedSimulation,
+    ForcePort,
+    Parameter,
+    Simulation,
+    State,
+    catalogue,
+    load_extended,
+    save_extended,
+)
 from dea.store import CONTRACTS
 from two_inputs import INTERVAL, NAMES, excitation, simulation
 
@@ -208,3 +217,34 @@ def test_the_design_of_further_records_is_of_one_input():
     inquiry = Inquiry(simulation, limits, Settings(), Options())
     with pytest.raises(InputError, match="further records can be designed for one input only"):
         begun([recorded(samples=40)], inquiry)
+
+
+def test_a_record_in_which_one_input_is_off_can_be_diagnosed():
+    """Its parameter changes nothing then, though the equations hold it."""
+    made = recorded(samples=400)
+    u = np.asarray(made.u).copy()
+    u[:, 1] = 0.0
+    off = Record.of(u, made.y, 1.0 / INTERVAL, units=UNITS, names=(NAMES, "warmth"))
+    problem, _, _ = prepare([signals_of(off, simulation)], simulation, Settings())
+    assert problem.size == 400
+
+
+def test_a_simulation_that_rests_at_its_nominal_values_can_be_diagnosed():
+    """A threshold that is put too high leaves the output at rest, and can be fitted."""
+
+    def derivative(x, u, p, dx):
+        dx[0] = 5.0 * (max(p[0] * u - p[1], 0.0) - x[0])
+
+    behind = Simulation(
+        name="behind_a_threshold", input_unit="V", output_unit="mm",
+        states=(State("level", "mm", 0.0),),
+        parameters=(
+            Parameter("gain", "mm/V", 1.0, 0.2), Parameter("threshold", "mm", 1.2, 0.5)
+        ),
+        derivative=derivative, output=lambda x, u, p: x[0], drive="gain",
+        force_ports=(ForcePort("level", "level", None),),
+    )  # fmt: skip
+    u = np.repeat(np.random.default_rng(2).uniform(0.0, 1.0, 40), 20)
+    made = Record.of(u, np.maximum(u - 0.7, 0.0), 50.0, units=("V", "mm"))
+    problem, _, _ = prepare([signals_of(made, behind)], behind, Settings())
+    assert problem.size == 800

@@ -12,6 +12,7 @@ from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.problem import Problem, Samples
 from dea.discrepancy.settings import Settings
 from dea.errors import InputError
+from dea.inputs import by_input
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation, Simulation, prepared, samples_of_each, slowest_time
 from dea.units import plain_units
@@ -183,11 +184,16 @@ def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
             "parameters",
             "Correct the nominal values, or the sign of the term that grows",
         )
-    for name in extended.simulation.drives:
+    if not np.ptp(y):  # at rest, as behind a threshold that the nominal values put too high
+        return
+    drives, inputs = extended.simulation.drives, by_input(record.u)
+    moving = [u for u in inputs if np.ptp(u)]
+    for number, name in enumerate(drives):
         scaled, at = nominal.copy(), extended.names.index(name)
         scaled[at] *= _SCALED
+        driven = np.ptp(inputs[number]) if len(drives) == len(inputs) else moving
         alike = np.array_equal(extended.simulate(scaled, record.u, record.interval), y)
-        if alike and nominal[at]:
+        if alike and nominal[at] and driven:
             raise extended.simulation.error(
                 f"the output does not depend on {name!r}, which is to scale the input",
                 "drive",
