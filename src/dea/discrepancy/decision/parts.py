@@ -91,8 +91,10 @@ class _PartTests:
         if not (self.with_others and alone > rules.law_error and transferable(part.fit.extended)):
             return False
         without = (c for c in self.finished if not c.effects >= part.effects)
-        whole = share_of(self.evidence, self._best_with(part).fit).low
-        return self._far_behind(without, part) and whole >= rules.part
+        return (
+            self._far_behind(without, part)
+            and share_of(self.evidence, self._best_with(part).fit).low >= rules.part
+        )
 
     def _best_with(self, part: Candidate) -> Candidate:
         return min((c for c in self.finished if c.effects >= part.effects), key=lambda c: c.rmse)

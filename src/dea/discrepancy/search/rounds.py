@@ -136,7 +136,7 @@ class _Extending:
         return list(stable.values()), skipped
 
     def finished(self, leaders: Sequence[Sequence[Fit]]) -> list[Fit]:
-        """Return the leaders fitted to the end: those near the best in more steps, it in most."""
+        """Return the leaders fitted: those near the best to the end, and the first of these anew."""
         problem, budget = self.problem, self.budget
         ahead = self._each(
             lambda fits: min(
