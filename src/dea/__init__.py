@@ -87,7 +87,7 @@ _ROOM_OF = {
 def __getattr__(name: str) -> Any:
     if name in _ROOM_OF:
         return getattr(import_module(_ROOM_OF[name]), name)
-    if name.startswith("_") or find_spec(f"dea.{name}") is None:
+    if name.startswith("_") or not name.isidentifier() or find_spec(f"dea.{name}") is None:
         raise AttributeError(f"module 'dea' has no attribute {name!r}")
     return import_module(f"dea.{name}")
 
