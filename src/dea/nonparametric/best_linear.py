@@ -23,7 +23,7 @@ _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input sta
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
 # RMS of what differs between the periods of an input, as a part of how it moves: noise that it is
 # measured with stays below; with another period all of it differs.
-_REPEATED = 0.2
+_REPEATED = 0.5
 
 
 class BestLinear(NamedTuple):
