@@ -6,16 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import logsumexp
 from scipy.stats import cauchy
 
 from dea.discrepancy.evidence.occam import log_volume
 
 
-def fit_of(jacobian, coordinates, shapes=()):
+def fit_of(jacobian, coordinates, shapes=(), residual=None):
     """A fit that errs linearly in its coordinates, some of which only shape a law."""
     of_shape = np.isin(np.arange(jacobian.shape[1]), shapes)
     return SimpleNamespace(
         jacobian=jacobian, coordinates=np.asarray(coordinates, float),
+        residual=np.zeros(len(jacobian)) if residual is None else residual,
         extended=SimpleNamespace(shapes=of_shape),
     )  # fmt: skip
 
@@ -25,7 +27,7 @@ def fitted_to(y, X, deviation, shapes=()):
     k = X.shape[1]
     x = np.linalg.solve(X.T @ X + deviation**2 * np.eye(k), X.T @ y)
     reached = -0.5 * np.sum((y - X @ x) ** 2) / deviation**2
-    return fit_of(-X, x, shapes), reached
+    return fit_of(-X, x, shapes, y - X @ x), reached
 
 
 @pytest.mark.parametrize("true", [0.0, 0.8, 20.0])
@@ -63,17 +65,21 @@ def test_directions_that_a_record_tells_together_count_once():
     assert log_volume(pair, seen, 0.1, 0.2) == pytest.approx(log_volume(single, seen, 0.1, 0.2))
 
 
-def test_a_shape_that_is_as_expected_hardly_counts_against_its_law():
-    """The law without that shape is a fifth likelier than with a probability of one."""
+@pytest.mark.parametrize("told", [0.0, 1.0])
+def test_a_shape_that_is_as_expected_hardly_counts_against_its_law(told):
+    """Nothing where the record does not tell it; up to log 2 where it does."""
     rng = np.random.default_rng(8)
-    X = rng.standard_normal((400, 4))
+    X = rng.standard_normal((400, 4)) * [1.0, told, told, told]
     seen, deviation = np.ones(400, bool), 0.3
     y = X[:, 0] * 2.0 + deviation * rng.standard_normal(400)
     law, reached = fitted_to(y, X, deviation, shapes=(1, 2, 3))
     plain, reached_by_plain = fitted_to(y, X[:, :1], deviation)
-    odds = log_volume(law, seen, deviation**2, 0.2) + reached
-    odds -= log_volume(plain, seen, deviation**2, 0.2) + reached_by_plain
-    assert odds == pytest.approx(3.0 * np.log(0.8), abs=0.05)
+    odds = log_volume(law, seen, deviation**2, 0.5) + reached
+    odds -= log_volume(plain, seen, deviation**2, 0.5) + reached_by_plain
+    if told:
+        assert -3.0 * np.log(2.0) < odds < -3.0 * np.log(2.0) + 1.0
+    else:
+        assert odds == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_shape_that_the_record_asks_for_counts_in_full():
@@ -87,9 +93,11 @@ def test_a_shape_that_the_record_asks_for_counts_in_full():
     assert difference == pytest.approx(np.log(0.2))
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_the_best_law_of_all_that_it_stands_for_is_found(seed):
-    """Each is fitted by itself; shapes that the record tells together are among them."""
+@pytest.mark.parametrize("shaped", [0.2, 0.5])
+@pytest.mark.parametrize("larger", [1.0, 20.0])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_evidence_is_that_of_all_laws_that_a_law_stands_for(seed, larger, shaped):
+    """Each is fitted by itself, and counts in units of an error that is larger than the fit's."""
     rng = np.random.default_rng(seed)
     X = rng.standard_normal((300, 6)) @ (np.eye(6) + 0.4 * rng.standard_normal((6, 6)))
     true = np.where(rng.random(6) < 0.4, rng.normal(0.0, 0.3, 6), 0.0)
@@ -97,11 +105,18 @@ def test_the_best_law_of_all_that_it_stands_for_is_found(seed):
     y = X @ true + rng.standard_normal(300)
     shapes = range(1, 6)
     law, reached = fitted_to(y, X, deviation, shapes)
-    expected = []
+    every = []
     for size in range(6):
         for used in combinations(shapes, size):
             some, likelihood = fitted_to(y, X[:, [0, *used]], deviation)
-            volume = log_volume(some, seen, deviation**2, 0.2) + likelihood
-            expected.append(volume + size * np.log(0.2) + (5 - size) * np.log(0.8))
-    found = log_volume(law, seen, deviation**2, 0.2) + reached
-    assert found == pytest.approx(max(expected), abs=0.1)
+            volume = log_volume(some, seen, larger, shaped) + likelihood / larger
+            every.append(volume + size * np.log(shaped) + (5 - size) * np.log1p(-shaped))
+    found = log_volume(law, seen, larger, shaped) + reached / larger
+    assert found == pytest.approx(logsumexp(every), abs=0.6)
+
+
+def test_columns_that_are_one_in_a_record_without_noise_are_no_error():
+    X = np.random.default_rng(3).standard_normal((400, 3))
+    X[:, 1] = X[:, 0]
+    found = log_volume(fit_of(-1e8 * X, np.ones(3), shapes=(2,)), np.ones(400, bool), 1e-3, 0.5)
+    assert np.isfinite(found)

@@ -3,12 +3,13 @@
 A flexible law is penalised by the part of its prior that the record leaves to it (Laplace's
 approximation: MacKay 1992, Neural Computation 4:415). Most of a law's parameters only shape it, and
 rarely does a device need all of them: a law stands for several laws, in each of which some shapes
-are as expected (a prior of spike and slab: Mitchell and Beauchamp 1988, JASA 83:1023). The best of
-these counts, so that a law is not penalised for what it could do besides.
+are as expected (a prior of spike and slab: Mitchell and Beauchamp 1988, JASA 83:1023). Their
+evidence is summed, so that a law is hardly penalised for what it could do besides.
 """
 
 from collections.abc import Sequence
-from math import comb, log
+from math import comb, log, log1p
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,44 +44,60 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) 
         Variance of their error.
     shaped
         Probability that a shape of a law is other than expected. A shape that is as expected has no
-        freedom, but the error of the fit without it, by a linear step, counts.
+        freedom, but the error of the fit without it, by a linear step, counts. Summed are the best
+        of the laws that differ so, and those that differ from it in one shape.
     """
-    J = fitted.jacobian[samples]
-    A = J.T @ J / max(density, 1e-300)
+    J = fitted.jacobian[samples] / np.sqrt(max(density, 1e-300))
+    r = fitted.residual[samples] / np.sqrt(max(density, 1e-300))
+    told = _Told(fitted.coordinates, J.T @ J, J.T @ r)
     shapes: list[int] = np.flatnonzero(fitted.extended.shapes).tolist()
+
+    def volume(expected: _Shapes) -> float:
+        other = len(shapes) - len(expected)
+        return told.log_volume(expected) + len(expected) * log1p(-shaped) + other * log(shaped)
+
     expected: _Shapes = frozenset()
-
-    def volume(some: _Shapes) -> float:
-        other = len(shapes) - len(some)
-        charge = len(some) * log(1.0 - shaped) + other * log(shaped)
-        return _log_volume(fitted.coordinates, A, some) + charge
-
     best = volume(expected)
     while rest := [expected | {shape} for shape in shapes if shape not in expected]:
         found, more = max(((volume(some), some) for some in rest), key=lambda pair: pair[0])
         if found <= best:
             break
         best, expected = found, more
-    return best
+    # Of a shape that the record does not tell, both laws count alike.
+    beside = [volume(expected ^ {shape}) - best for shape in shapes]
+    return best + float(np.log1p(np.exp(beside)).sum())
 
 
-def _log_volume(x: np.ndarray, A: np.ndarray, expected: _Shapes) -> float:
-    """Return the volume with some of the coordinates ``x`` (k,) at their prior means.
+class _Told(NamedTuple):
+    """What a record tells of the coordinates ``x`` (k,) of a fit, where it errs linearly in them.
 
-    Each direction that the information ``A`` (k, k) tells costs the log of the ratio of its prior
-    and posterior deviations, besides the distance of the estimate from the prior. That distance
-    counts as by Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads
-    is unusual, but not impossible.
+    ``A`` (k, k) is the information, ``slope`` (k,) that of the negative log likelihood.
     """
-    free = np.array([i for i in range(x.size) if i not in expected], int)
-    held = np.array(sorted(expected), int)
-    moved, P = x.copy(), A + np.eye(x.size)
-    moved[held] = 0.0
-    moved[free] += np.linalg.solve(P[np.ix_(free, free)], P[np.ix_(free, held)] @ x[held])
-    step = moved - x
-    # The fit ends where the slope of its likelihood is that of the prior.
-    worse = max(float(0.5 * step @ A @ step - x @ step), 0.0)
-    told = np.maximum(np.linalg.eigvalsh(A[np.ix_(free, free)]), 0.0)
-    # Exact where a direction is told nothing, or much: Cauchy's density at its mode is 1 / pi.
-    width = np.log1p(0.5 * np.pi * told)
-    return -float(np.log1p(moved[free] ** 2).sum() + 0.5 * width.sum()) - worse
+
+    x: np.ndarray
+    A: np.ndarray
+    slope: np.ndarray
+
+    def log_volume(self, expected: _Shapes) -> float:
+        """Return the volume with some of the coordinates at their prior means.
+
+        Each direction that is told costs the log of the ratio of its prior and posterior
+        deviations, besides the distance of the estimate from the prior. That distance counts as by
+        Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads is
+        unusual, but not impossible.
+        """
+        x, A = self.x, self.A
+        free = np.array([i for i in range(x.size) if i not in expected], int)
+        moved, worse = x.copy(), 0.0
+        if expected:
+            held = np.array(sorted(expected), int)
+            moved[held] = 0.0
+            P = A + np.eye(x.size)
+            change = P[np.ix_(free, held)] @ x[held]
+            moved[free] += np.linalg.lstsq(P[np.ix_(free, free)], change, rcond=None)[0]
+            step = moved - x
+            worse = float(0.5 * step @ A @ step + self.slope @ step)
+        directions = np.maximum(np.linalg.eigvalsh(A[np.ix_(free, free)]), 0.0)
+        # Exact where a direction is told nothing, or much: Cauchy's density at its mode is 1 / pi.
+        width = np.log1p(0.5 * np.pi * directions)
+        return -float(np.log1p(moved[free] ** 2).sum() + 0.5 * width.sum()) - worse
