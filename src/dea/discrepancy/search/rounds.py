@@ -136,7 +136,7 @@ class _Extending:
         return list(stable.values()), skipped
 
     def finished(self, leaders: Sequence[Sequence[Fit]]) -> list[Fit]:
-        """Return the leaders fitted: those near the best to the end, and the first of these anew."""
+        """Return the leaders fitted: those near the best to the end, the first of them anew."""
         problem, budget = self.problem, self.budget
         ahead = self._each(
             lambda fits: min(
