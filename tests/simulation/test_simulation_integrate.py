@@ -31,6 +31,8 @@ def attached(simulation, name, law, substeps):
     values = extended.values(np.zeros(extended.free.size))
     scales = measured_scales(extended, values, SimpleNamespace(u=U, y=U, interval=DT))
     longer = replace(extended.attach(catalogue()[name], scales), substeps=substeps)
+    # Compiled laws check no indices: a shorter one would be read beyond its end.
+    assert len(law) == len(longer.attached[0].parameters)
     return longer, np.concatenate([values, law]), extended.normalisations[0]
 
 
@@ -82,7 +84,7 @@ def test_friction_where_no_state_is_a_position_acts_on_the_speed_wherever_it_sta
         force_ports=(ForcePort("speed", None, "speed"),),
     )  # fmt: skip
     # Stiction that the speed ends, by which a wrong speed shows.
-    law = np.array([0.2, 0.02, 2.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    law = np.array([0.2, 0.02, 2.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
     extended, values, unit = attached(simulation, "coulomb_friction", law, substeps=16)
     friction = catalogue()["coulomb_friction"]
     memory, fine = friction.memory(law), 2000
@@ -113,11 +115,11 @@ def test_friction_holds_a_wheel_before_the_record_that_has_no_place_to_rest_at()
         output=lambda x, u, p: x[0], drive="gain", input_interpolation="zero",
         force_ports=(ForcePort("speed", None, "speed"),), lead_in=2.0,
     )  # fmt: skip
-    law = np.array([5.0, 0.02, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    law = np.array([5.0, 0.02, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
     extended, values, _ = attached(simulation, "coulomb_friction", law, substeps=16)
     found = extended.simulate(values, np.full(100, 1e-3), DT)
     assert np.abs(found).max() < 1e-4
-    none = np.array([0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    none = np.array([0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
     free, own, _ = attached(simulation, "coulomb_friction", none, substeps=1)
     assert free.simulate(own, np.full(100, 1e-3), DT)[-1] == pytest.approx(2e-3, rel=1e-3)
     assert not free.attached[0].scales.placed
