@@ -17,7 +17,10 @@ from dea.discrepancy.evidence.colour import (
 )
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.rules import Rules
 from dea.missing import runs
+
+MOST = Rules().may_follow()
 
 PIECE = 64  # samples whose levels are compared
 
@@ -166,7 +169,7 @@ def shuffled(values, levels=1.0):
 
 def is_noise(residual, blocks=BLOCKS):
     u = np.random.default_rng(9).standard_normal(N)
-    return is_coloured_noise(record_of(u, residual), residual, blocks)
+    return is_coloured_noise(record_of(u, residual), residual, blocks, MOST)
 
 
 def test_blocks_hardly_longer_than_the_memory_do_not_hide_that_noise_is_noise():
@@ -236,7 +239,7 @@ def test_a_fifth_of_coloured_noise_may_be_predicted_or_what_is_allowed(share, no
     assert (part <= 0.2) is noise
     for most, allowed in ((0.2, noise), (part, True), (part - 1e-9, False)):
         assert is_coloured_noise(problem, residual, BLOCKS, most) is allowed
-    assert is_coloured_noise(problem, residual, BLOCKS) is noise
+    assert is_coloured_noise(problem, residual, BLOCKS, MOST) is noise
 
 
 def test_offsets_of_input_and_residual_predict_nothing():
@@ -281,9 +284,9 @@ def test_what_a_changing_parameter_leaves_is_no_noise(seed):
     y, course = slow(rng, 60), slow(rng, 15)
     residual = 1.5 * y * course + rng.standard_normal(N)
     of_another = np.roll(y, N // 2)
-    assert follows_energy(moving(y, residual), residual)
-    assert not follows_energy(moving(of_another, residual), residual)
-    assert not is_coloured_noise(moving(y, residual), residual, FIFTHS)
+    assert follows_energy(moving(y, residual), residual, MOST)
+    assert not follows_energy(moving(of_another, residual), residual, MOST)
+    assert not is_coloured_noise(moving(y, residual), residual, FIFTHS, MOST)
 
 
 @pytest.mark.parametrize("bursts", [False, True])
@@ -294,7 +297,7 @@ def test_noise_of_its_own_seldom_follows_the_energy_of_the_motion(bursts):
         if bursts:
             y *= np.arange(N) // 400 % 2
         residual = slow(rng, (2, 20, 150)[trial // 3 % 3]) + 0.3 * rng.standard_normal(N)
-        taken += follows_energy(moving(y, residual), residual)
+        taken += follows_energy(moving(y, residual), residual, MOST)
     assert taken <= 0.04 * count
 
 
@@ -308,11 +311,11 @@ def test_what_a_few_pushes_leave_is_no_noise(seed):
     residual = 8.0 * heard / np.abs(heard).max() + rng.standard_normal(N)
     problem = moving(slow(rng, 60), residual)
     assert not is_like_gaussian(residual, FIFTHS)
-    assert not is_coloured_noise(problem, residual, FIFTHS)
+    assert not is_coloured_noise(problem, residual, FIFTHS, MOST)
     # The same energy at the same frequencies, spread over the record.
     turned = np.exp(2j * np.pi * rng.random(N // 2 + 1))
     spread = np.fft.irfft(np.abs(np.fft.rfft(residual)) * turned, N)
-    assert is_coloured_noise(moving(slow(rng, 60), spread), spread, FIFTHS)
+    assert is_coloured_noise(moving(slow(rng, 60), spread), spread, FIFTHS, MOST)
 
 
 @pytest.mark.parametrize("memory", [2, 30, 600])
@@ -333,10 +336,10 @@ def test_samples_that_are_not_seen_do_not_tell_what_noise_follows():
     problem = replace(
         problem, fit=problem.fit & ~problem.certify, select=problem.select & ~problem.certify
     )
-    assert not follows_energy(problem, residual)
+    assert not follows_energy(problem, residual, MOST)
     hidden_there = np.where(problem.certify, 30.0 * y, residual)
     spoilt = replace(problem, y=y + hidden_there)
-    assert not follows_energy(spoilt, hidden_there)
+    assert not follows_energy(spoilt, hidden_there, MOST)
 
 
 def seen_in_part():

@@ -15,10 +15,13 @@ from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import fit
 from dea.discrepancy.problem import Samples
 from dea.discrepancy.records import prepare
+from dea.discrepancy.rules import Rules
 from dea.simulation import ExtendedSimulation, load_simulation
 from dea.simulation.signatures import DERIVATIVE
 from dea.store import Record
 from made_carriage import CARRIAGE
+
+MOST = Rules().may_follow()
 
 N, DT, NOISE = 1500, 0.02, 0.01
 U = np.random.default_rng(1).uniform(-1.0, 1.0, N // 10 + 1).repeat(10)[:N]
@@ -64,7 +67,7 @@ def test_a_force_that_follows_the_motion_is_no_noise(of):
     assert force.part > 0.5
     assert force.of == of
     assert force.port == "velocity"
-    assert not leaves_coloured_noise(problem, found, blocks)
+    assert not leaves_coloured_noise(problem, found, blocks, MOST)
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.9, 0.98])

@@ -13,13 +13,11 @@ from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit, beyond_priors
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.rules import Rules, misfit
+from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.inputs import by_input
 from dea.missing import runs
 
-# Part of coloured noise that may be predicted, by the default rules.
-_MOST = Rules().may_follow()
 # Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
@@ -40,7 +38,7 @@ def is_coloured_noise(
     problem: Problem,
     residual: np.ndarray,
     blocks: Sequence[slice],
-    most: float = _MOST,
+    most: float,
 ) -> bool:
     """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
 
@@ -74,7 +72,7 @@ def _shape(parts: Sequence[np.ndarray]) -> tuple[float, float]:
 
 
 def leaves_coloured_noise(
-    problem: Problem, fitted: Fit, blocks: Sequence[slice], most: float = _MOST
+    problem: Problem, fitted: Fit, blocks: Sequence[slice], most: float
 ) -> bool:
     """Return whether what a fit leaves is coloured noise that no smooth force would cause."""
     return is_coloured_noise(problem, fitted.residual, blocks, most) and follows_no_force(
@@ -101,7 +99,7 @@ def coloured_level(evidence: Evidence, pool: Sequence[Candidate]) -> float:
     return misfit(best.rmse, white) if noise else 0.0
 
 
-def follows_no_force(problem: Problem, fitted: Fit, most: float = _MOST) -> bool:
+def follows_no_force(problem: Problem, fitted: Fit, most: float) -> bool:
     """Return whether no smooth force predicts more than a part of what a fit leaves."""
     force = unknown_force(problem, fitted)
     return force is None or force.part <= most
@@ -154,7 +152,7 @@ def is_like_gaussian(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
     return bool(sharp <= sharpest + _KURTOSIS and uneven <= np.hypot(most_uneven, _UNEVEN))
 
 
-def follows_energy(problem: Problem, residual: np.ndarray, most: float = _MOST) -> bool:
+def follows_energy(problem: Problem, residual: np.ndarray, most: float) -> bool:
     """Return whether a residual (n,) is large where the simulated output moves far or fast.
 
     What the device itself causes, as a parameter that changes with time does, need not be
