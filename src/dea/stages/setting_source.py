@@ -1,6 +1,7 @@
 """Where a setting stands that does not fit a record: in the case of the record, or in the study."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,18 @@ def at_setting(error: InputError, record: Path, *keys: str) -> InputError:
             problem = f"{record}: {error.problem}"
             return InputError(problem, file=case, field=field, remedy=error.remedy)
     return error.at(file=record, field=field)
+
+
+@contextmanager
+def settings_told(record: Path, keys: Mapping[str, str]) -> Iterator[None]:
+    """Raise an error of one of these fields as that of the setting with its dotted key."""
+    try:
+        yield
+    except InputError as error:
+        key = keys.get(error.field or "")
+        if key is None:
+            raise
+        raise at_setting(error, record, key) from error
 
 
 def _holds(content: Any, key: str) -> bool:

@@ -12,18 +12,17 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     import xarray as xr
 
     from dea import store
-    from dea.errors import InputError
     from dea.narx import NarxModel
-    from dea.stages.setting_source import at_setting
+    from dea.stages.setting_source import settings_told
     from dea.tracking import METHODS, compare_free_runs, track_parameters
 
     chosen = settings["tracking"]
     signals = store.signals(store.read_record(record))
     narx = NarxModel.load(model)
     tracks = {}
-    for method in filter(chosen["trackers"].__contains__, METHODS):
+    for method in (each for each in METHODS if each in chosen["trackers"]):
         own = chosen["trackers"][method]
-        try:
+        with settings_told(record, {name: f"tracking.trackers.{method}.{name}" for name in own}):
             tracks[method] = track_parameters(
                 narx,
                 signals.u,
@@ -33,19 +32,10 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
                 sampling_rate=signals.sampling_rate,
                 **own,
             )
-        except InputError as error:
-            if error.field not in own:
-                raise
-            key = f"tracking.trackers.{method}.{error.field}"
-            raise at_setting(error, record, key) from error
-    try:
+    with settings_told(record, {"window": "tracking.frozen_window"}):
         free_runs = compare_free_runs(
             narx, tracks, signals.u, signals.y, window=chosen["frozen_window"]
         )
-    except InputError as error:
-        if error.field != "window":
-            raise
-        raise at_setting(error, record, "tracking.frozen_window") from error
     words = {
         "estimator": "method that the estimate is of",
         "withheld": "why no interval holds",

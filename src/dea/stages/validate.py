@@ -10,11 +10,10 @@ from dea.stages.command import run
 def validate(settings: Mapping[str, Any], record: Path, model: Path, validation: Path) -> None:
     """Write ``validation.nc`` of one system."""
     from dea import store
-    from dea.errors import InputError
     from dea.narx import NarxModel, Windows, linear_model
     from dea.narx import validate as validate_models
     from dea.stages.identification import good_stretches, segment
-    from dea.stages.setting_source import at_setting
+    from dea.stages.setting_source import settings_told
 
     identification, choice = settings["identification"], settings["validation"]
     signals = store.signals(store.read_record(record))
@@ -22,7 +21,7 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
     narx = NarxModel.load(model)
     known = good_stretches(signals, part, record, identification)
     linear = linear_model(*known, max(narx.max_lag, 1))
-    try:
+    with settings_told(record, {name: f"validation.{name}" for name in choice}):
         dataset = validate_models(
             {"linear": linear, "narx": narx},
             signals.u,
@@ -32,10 +31,6 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
             (signals.u_units, signals.y_units),
             signals.u_names,
         )
-    except InputError as error:
-        if error.field not in choice:
-            raise
-        raise at_setting(error, record, f"validation.{error.field}") from error
     dataset.attrs["samples_left_out"] = signals.left_out
     store.write(
         dataset,
