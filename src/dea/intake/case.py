@@ -232,10 +232,12 @@ def _refuse_far_outputs(table: store.ForeignTable, name: str) -> None:
     beyond = np.flatnonzero((largest[:-1] > _FAR * largest[1:]) & (largest[1:] > 0))
     if beyond.size:
         row = int(np.flatnonzero(far >= largest[beyond[0]])[0])
-        raise InputError(
-            f"{table.place(row)}: {y[row]:.4g} is {_FAR:.0e} times as far from most as any other",
-            field=f"column {name!r}",
-            remedy="Correct that entry, or empty it: it then counts as missing",
+        raise _entry_error(
+            table,
+            name,
+            row,
+            f"{y[row]:.4g} is {_FAR:.0e} times as far from most as any other",
+            "Correct that entry, or empty it: it then counts as missing",
         )
 
 
@@ -255,13 +257,21 @@ def _refuse_marks(table: store.ForeignTable, name: str) -> None:
         if not _TWICE <= count <= _MARKED * there.size or np.unique(others).size < _VALUES:
             continue
         if np.abs(others - mark).min() > _AWAY * np.ptp(others):
-            row = int(np.flatnonzero(y == mark)[0])
-            raise InputError(
-                f"{table.place(row)}: {count} entries are {mark:g}, far from all others, as a mark "
-                "of what is missing is",
-                field=f"column {name!r}",
-                remedy="Empty these entries: they then count as missing",
+            raise _entry_error(
+                table,
+                name,
+                int(np.flatnonzero(y == mark)[0]),
+                f"{count} entries are {mark:g}, far from all others, as a mark of what is missing"
+                " is",
+                "Empty these entries: they then count as missing",
             )
+
+
+def _entry_error(
+    table: store.ForeignTable, name: str, row: int, problem: str, remedy: str
+) -> InputError:
+    """Return the error of an entry of a column, which says where it is in the file."""
+    return InputError(f"{table.place(row)}: {problem}", field=f"column {name!r}", remedy=remedy)
 
 
 def _check_lengths(table: store.ForeignTable, roles: Roles) -> None:
