@@ -8,6 +8,7 @@ evidence is summed, so that a law is hardly penalised for what it could do besid
 """
 
 from collections.abc import Sequence
+from functools import cache
 from math import comb, log, log1p
 from typing import NamedTuple
 
@@ -52,6 +53,7 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) 
     told = _Told(fitted.coordinates, J.T @ J, J.T @ r)
     shapes: list[int] = np.flatnonzero(fitted.extended.shapes).tolist()
 
+    @cache
     def volume(expected: _Shapes) -> float:
         other = len(shapes) - len(expected)
         return told.log_volume(expected) + len(expected) * log1p(-shaped) + other * log(shaped)
