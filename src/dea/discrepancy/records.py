@@ -187,13 +187,13 @@ def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
     if not np.ptp(y):  # at rest, as behind a threshold that the nominal values put too high
         return
     drives, inputs = extended.simulation.drives, by_input(record.u)
-    moving = [u for u in inputs if np.ptp(u)]
-    for number, name in enumerate(drives):
+    each = drives if len(drives) == len(inputs) else drives * len(inputs)
+    driven = (name for name, u in zip(each, inputs, strict=True) if np.ptp(u))
+    for name in dict.fromkeys(driven):
         scaled, at = nominal.copy(), extended.names.index(name)
         scaled[at] *= _SCALED
-        driven = np.ptp(inputs[number]) if len(drives) == len(inputs) else moving
         alike = np.array_equal(extended.simulate(scaled, record.u, record.interval), y)
-        if alike and nominal[at] and driven:
+        if alike and nominal[at]:
             raise extended.simulation.error(
                 f"the output does not depend on {name!r}, which is to scale the input",
                 "drive",
