@@ -238,11 +238,16 @@ class ExtendedSimulation:
             return None
         return self.simulation.inputs[attached.place]
 
+    def ports_for(self, effect: Effect) -> list[int]:
+        """Return the numbers of the force ports that a force law can act at."""
+        ports = enumerate(self.simulation.force_ports)
+        return [k for k, port in ports if port.position is not None or not effect.needs_position]
+
     def places(self, effect: Effect) -> int:
         """Return at how many force ports, or inputs, an effect can act."""
         own = self.simulation
         if effect.force is not None:
-            return len(own.force_ports)
+            return len(self.ports_for(effect))
         if effect.shape_input is not None:
             return len(own.inputs)
         return len(own.drives) if effect.scale_drive is not None else 1

@@ -9,7 +9,6 @@ import numpy as np
 
 from dea.discrepancy.fit import CLOSE, Fit, at_bounds
 from dea.discrepancy.problem import Problem
-from dea.simulation import Effect
 
 EffectSet = frozenset[str]
 
@@ -54,12 +53,8 @@ class Candidate:
     def places(self) -> int:
         """In how many ways its effects could be attached to the force ports of the simulation."""
         extended = self.fit.extended
-        ports = extended.simulation.force_ports
-
-        def fitting(effect: Effect) -> int:
-            return sum(port.position is not None or not effect.needs_position for port in ports)
-
-        return prod(fitting(a.effect) for a in extended.attached if a.effect.force is not None)
+        forces = (a.effect for a in extended.attached if a.effect.force is not None)
+        return prod(map(extended.places, forces))
 
     @cached_property
     def at_bounds(self) -> tuple[str, ...]:

@@ -73,11 +73,8 @@ def places(
         if not ports:
             return [], [NotOffered.at(extended, effect, 0, Obstacle.NO_PORT)]
         count = len(ports)
-        obstacles = {
-            k: Obstacle.NO_POSITION
-            for k, port in enumerate(ports)
-            if port.position is None and effect.needs_position
-        }
+        closed = set(range(count)).difference(extended.ports_for(effect))
+        obstacles = dict.fromkeys(sorted(closed), Obstacle.NO_POSITION)
     free = [place for place in range(count) if place not in obstacles]
     return free, [NotOffered.at(extended, effect, *each) for each in obstacles.items()]
 
