@@ -445,6 +445,7 @@ def test_a_place_is_told_with_its_numbers():
     [
         # 8 ms is the prior spread, 0.4 ms the standard deviation.
         (-1.25, "The output is logged 10 ± 0.8 ms early (0.5 samples)."),
+        (-2.5, "The output is logged 20 ± 0.8 ms early (1 sample)."),
         (
             1.25,
             "The output is logged 10 ± 0.8 ms late (0.5 samples), or the device has a lag this "

@@ -60,9 +60,11 @@ def _timing(found: "Diagnosis") -> str:
     if _inexact(found):
         law = "the law" if found.decision.answer else "the simulation"
         doubts += f", or an error of {law} passes for that"
+    count = f"{abs(offset) / problem.recorded_interval:.2g}"
+    samples = "1 sample" if count == "1" else f"{count} samples"
     return (
         f"The output is logged {1e3 * abs(offset):.3g} ± {2e3 * deviation:.2g} ms {side} "
-        f"({abs(offset) / problem.recorded_interval:.2g} samples){doubts}."
+        f"({samples}){doubts}."
     )
 
 
