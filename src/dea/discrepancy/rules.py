@@ -87,7 +87,7 @@ class Rules:
         another effect's law.
     shaped
         Probability that the shape of an effect's law is other than expected in one respect. What
-        the law could do besides does not count against it.
+        the law could do besides hardly counts against it.
     likely
         Presence from which an effect, or a family, is called likely. Others are not named, unless
         they leave noise alone and their absence is not certain.
