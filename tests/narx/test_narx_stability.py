@@ -214,3 +214,14 @@ def test_inputs_without_a_rest_are_told_beside_the_poles_of_the_others():
     )
     nowhere = replace(report, poles=np.full(3, np.inf))
     assert str(nowhere).startswith("unstable: no rest at 3 of 3 constant inputs; 1 of 3")
+
+
+def test_random_inputs_are_like_the_whole_of_a_long_record():
+    """From half-way on the input is ten times as large, which the model does not survive."""
+    model = NarxModel.from_terms({"y(t-1)u(t-1)": 3.0, "y(t-1)u(t-2)": -3.0, "u(t-1)": 0.1})
+    u = np.random.default_rng(4).uniform(-1.0, 1.0, 40_000)
+    u[:20_000] *= 0.1
+    y = CALM.simulate(u)
+    for driven, measured in ((u, y), (u[::-1], y[::-1])):
+        kept, tried = model.stability(driven, measured).runs
+        assert kept < tried

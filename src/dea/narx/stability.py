@@ -24,7 +24,7 @@ Bools: TypeAlias = NDArray[np.bool_]
 SLOWEST = 0.2  # share of the record that a pole's time constant may last
 _LEVELS, _HOLDS, _RUNS, _SURROGATES = 41, 20, 100, 20
 _DIAGONALS = 8  # along which several inputs are varied together, at most
-_LONGEST = 20_000  # samples of an input that random ones are drawn from
+_LONGEST = 20_000  # samples of a stretch that a random input is like
 _SHORTEST = 5_000  # samples of a long run
 
 
@@ -46,8 +46,10 @@ class Stability:
         the output is NaN and the modulus infinite.
     holds, runs, surrogates
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
-        and the spectrum of the record's; phase-randomised inputs with its spectrum. Runs on such
-        inputs may reach three times the largest output of the record, holds a hundred times.
+        and the spectrum of the record's; phase-randomised inputs with its spectrum. Of a record of
+        more than 20,000 samples each random input is like a stretch of that length, taken in turn
+        from its beginning to its end. Runs on such inputs may reach three times the largest output
+        of the record, holds a hundred times.
     samples
         Of the record.
     """
@@ -183,8 +185,7 @@ class StabilityTest:
             for line in _lines(u, _HOLDS)
             for level in line
         )
-        shown = u[:_LONGEST]
-        self.random = _random_inputs(shown.tobytes("F"), shown.shape, copies)
+        self.random = _random_inputs(u.tobytes("F"), u.shape, copies)
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
         # The level of the record, which is zero only where the scaling is its own.
         self._start = float(np.mean(np.concatenate([y for _, y in segments])))
@@ -273,9 +274,16 @@ def _random_inputs(content: bytes, shape: tuple[int, ...], copies: int) -> Array
     """Return inputs like the one with this content, of the record's values and phase-randomised."""
     u = np.frombuffer(content).reshape(shape, order="F")
     rng = np.random.default_rng(0)  # every model of a record meets the same inputs
-    runs = [same_class(u, rng) for _ in range(_RUNS)]
-    surrogates = [phase_randomised(u, rng) for _ in range(_SURROGATES)]
+    runs = [same_class(u[part], rng) for part in _stretches(len(u), _RUNS)]
+    surrogates = [phase_randomised(u[part], rng) for part in _stretches(len(u), _SURROGATES)]
     return _side_by_side(_repeated(each, copies) for each in (*runs, *surrogates))
+
+
+def _stretches(samples: int, count: int) -> list[slice]:
+    """Return equally long stretches from the beginning of a record to its end, or the whole."""
+    length = min(samples, _LONGEST)
+    begins = np.linspace(0, samples - length, count).astype(int)
+    return [slice(begin, begin + length) for begin in begins.tolist()]
 
 
 def _repeated(u: Array, copies: int) -> Array:
