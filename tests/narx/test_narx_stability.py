@@ -216,6 +216,27 @@ def test_inputs_without_a_rest_are_told_beside_the_poles_of_the_others():
     assert str(nowhere).startswith("unstable: no rest at 3 of 3 constant inputs; 1 of 3")
 
 
+@pytest.mark.parametrize("level", [0.0, 1000.0])
+def test_how_far_a_run_may_go_does_not_depend_on_the_level_of_the_output(level):
+    """The level is a parameter of the equation or an offset of its scaling."""
+    u = inputs()
+    y = level + CALM.simulate(u)
+    # z = level + x: z' = level + (0.8 + 0.3 u) (z - level) + 0.1 u
+    raised = NarxModel.from_terms(
+        {"1": 0.2 * level, "y(t-1)": 0.8, "y(t-1)u(t-1)": 0.3, "u(t-1)": 0.1 - 0.3 * level}
+    )
+    offset = replace(RUNAWAY, scaling=Scaling(y_offset=level))
+    for driven in (u, 2.0 * u):
+        found = [model.stability(driven, y) for model in (raised, offset)]
+        assert found[0].status == found[1].status == "unstable"
+        assert len({each.holds for each in found}) == len({each.runs for each in found}) == 1
+
+
+def test_a_constant_output_has_no_range_to_compare_runs_with():
+    with pytest.raises(InputError, match="y: it is constant"):
+        CALM.stability(inputs(), np.full(2000, 3.0))
+
+
 def test_random_inputs_are_like_the_whole_of_a_long_record():
     """From half-way on the input is ten times as large, which the model does not survive."""
     model = NarxModel.from_terms({"y(t-1)u(t-1)": 3.0, "y(t-1)u(t-2)": -3.0, "u(t-1)": 0.1})

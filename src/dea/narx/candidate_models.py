@@ -14,7 +14,7 @@ import numpy as np
 from dea.arrays import Array, Segment
 from dea.narx.candidate_kernels import Candidates, EstimationData, estimate_and_simulate
 from dea.narx.kernels import NONE
-from dea.narx.limits import DIVERGED
+from dea.narx.limits import bound_of
 from dea.narx.regressors import regressor_matrix
 from dea.narx.simulation import structure
 from dea.terms import Term, max_lag
@@ -72,7 +72,7 @@ class CandidateModels:
         products[:, first:] = regressor_matrix(terms, u, y, first).T
         self.triangle: Array = np.ascontiguousarray(triangle.T)
         self._data = EstimationData(self.triangle, products, y, ends)
-        self._bound = DIVERGED * float(np.abs(y).max())
+        self._bound = bound_of(segments)
         self._known: dict[Subset, CandidateModel] = {}
 
     def __call__(self, subsets: Iterable[Subset]) -> list[CandidateModel]:

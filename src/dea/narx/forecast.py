@@ -13,7 +13,7 @@ from dea.errors import InputError
 from dea.missing import filled, stretches
 from dea.narx.checks import as_record
 from dea.narx.estimation import least_squares, normalised
-from dea.narx.limits import stays_in_range
+from dea.narx.limits import MeasuredRange, stays_in_range
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise
 from dea.narx.segments import squared_error
@@ -209,10 +209,10 @@ def _estimate(
     starts = [before, least_squares(terms, window).parameters]
     starts.sort(key=lambda start: squared_error(terms, start, window))
     searched = (minimise(terms, start, window).parameters for start in starts)
-    found = []
+    found, measured = [], MeasuredRange.of([past])
     for candidate in chain(searched, starts):
         found.append(candidate)
-        if stays_in_range(terms, candidate, *past):
+        if stays_in_range(terms, candidate, *past, measured):
             return candidate
     return found[0]
 

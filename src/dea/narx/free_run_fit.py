@@ -12,6 +12,7 @@ from dea.arrays import Array, Segment
 from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
 from dea.narx.estimation import too_little
+from dea.narx.limits import bound_of
 from dea.narx.parameter_covariance import (
     DEPENDENT,
     FreeRun,
@@ -19,7 +20,6 @@ from dea.narx.parameter_covariance import (
     covariance_of_free_runs,
     norms_of_squares,
 )
-from dea.narx.segments import bound_of
 from dea.narx.simulation import input_rows, simulate, structure
 from dea.terms import Term
 

@@ -94,11 +94,11 @@ def bounded(
     bound: float,
     every: bool,
 ) -> NDArray[np.bool_]:
-    """Whether each of several runs from one output keeps within the bound, shape (runs,).
+    """Whether each of several runs keeps within the bound about its first output, shape (runs,).
 
     ``u`` has the shape (inputs, samples, runs). Where ``every`` run has to keep within it, the
     first that does not ends all. The runs go on side by side, since each sample of a run waits for
-    the one before; a run that has left the bound goes on from zero and does not count as kept.
+    the one before; a run that has left the bound goes on from there and does not count as kept.
     """
     group, y_lags, u_lags, u_rows, start = structure
     _, samples, runs = u.shape
@@ -133,13 +133,13 @@ def bounded(
                 total[i] += row[i]
         inside = True
         for i in range(runs):
-            inside &= abs(total[i]) <= bound
+            inside &= abs(total[i] - first) <= bound
         if not inside:
             if every:
                 return np.zeros(runs, dtype=np.bool_)
             for i in range(runs):
-                if not abs(total[i]) <= bound:
-                    kept[i], total[i] = False, 0.0
+                if not abs(total[i] - first) <= bound:
+                    kept[i], total[i] = False, first
         row = past[t % depth]
         for i in range(runs):
             row[i] = total[i]

@@ -1,20 +1,50 @@
 """How far a free run may leave the outputs that were measured."""
 
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
 import numpy as np
 
-from dea.arrays import Array
+from dea.arrays import Array, Segment
 from dea.narx.simulation import simulate
 from dea.terms import Term
 
-# Times the largest measured output. A model that leaves it on inputs of the amplitudes and the
-# spectrum of a record is bounded on that record alone.
+# Times the largest departure of the measured outputs from their mean. A model that leaves it on
+# inputs of the amplitudes and the spectrum of a record is bounded on that record alone.
 LEEWAY = 3.0
 # The same, beyond which a run has diverged. It is wider since gains at rest may exceed those
 # recorded.
 DIVERGED = 100.0
 
 
-def stays_in_range(terms: tuple[Term, ...], parameters: Array, u: Array, y: Array) -> bool:
-    """Whether the free run on ``u`` from the first of ``y`` stays within the leeway of ``y``."""
-    run = simulate(terms, parameters, u, y, bound=LEEWAY * float(np.abs(y).max()))
-    return bool(np.isfinite(run[-1]))
+class MeasuredRange(NamedTuple):
+    """The mean of all measured outputs, and their largest departure from it."""
+
+    mean: float
+    departure: float
+
+    @classmethod
+    def of(cls, segments: Sequence[Segment]) -> Self:
+        """Return that of inputs and outputs."""
+        outputs = np.concatenate([y for _, y in segments])
+        mean = float(np.mean(outputs))
+        return cls(mean, float(np.abs(outputs - mean).max()))
+
+
+def stays_in_range(
+    terms: tuple[Term, ...], parameters: Array, u: Array, y: Array, measured: MeasuredRange
+) -> bool:
+    """Whether the free run on ``u`` from the first of ``y`` keeps the leeway of what was measured.
+
+    It is fast enough for every candidate of a search.
+    """
+    run = simulate(terms, parameters, u, y)
+    return bool(np.abs(run - measured.mean).max() <= LEEWAY * measured.departure)
+
+
+def bound_of(segments: Sequence[Segment]) -> float:
+    """Return the modulus of an output beyond which a fit may end the run, its error being hopeless.
+
+    One segment may be at rest throughout.
+    """
+    return DIVERGED * max(float(np.abs(y).max()) for _, y in segments)

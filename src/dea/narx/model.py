@@ -273,7 +273,8 @@ class NarxModel:
         Raises
         ------
         InputError
-            Without a record, if the model does not come from a selection.
+            Without a record, if the model does not come from a selection; if the output does not
+            vary.
         """
         if u is None:
             if self.checked is None:
@@ -285,6 +286,12 @@ class NarxModel:
             return self.checked
         inputs, recorded = pair(self.labels, u, y, self.max_lag)
         outputs, _ = filled(recorded)
+        if not np.ptp(outputs):
+            raise InputError(
+                "it is constant, and runs are compared with its range",
+                field="y",
+                remedy="Give a record in which the output moves.",
+            )
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, StabilityTest([segment]))
 

@@ -39,11 +39,13 @@ def rests_over(
         Constant inputs in the units of the equation along a line, shape (levels,), or of several
         inputs (levels, inputs).
     limit
-        Largest modulus of an output that counts.
+        Largest distance from ``near`` of an output that counts.
     near
         The output about which the model is used.
     """
-    roots = _real_roots(terms, parameters, inputs, limit)
+    roots = [
+        found[np.abs(found - near) <= limit] for found in _real_roots(terms, parameters, inputs)
+    ]
     levels = len(inputs)
     middle = int(np.argmin(np.abs(by_input(inputs)).max(axis=0)))
     outputs = np.full(levels, np.nan)
@@ -71,10 +73,8 @@ def static_polynomial(
     return coefficients
 
 
-def _real_roots(
-    terms: Sequence[Term], parameters: Array, inputs: Array, limit: float
-) -> list[Array]:
-    """Return the real roots of the static polynomial at each input, up to ``limit`` in modulus.
+def _real_roots(terms: Sequence[Term], parameters: Array, inputs: Array) -> list[Array]:
+    """Return the real roots of the static polynomial at each input.
 
     They are the eigenvalues of its companion matrix, of all inputs at once: a search asks for the
     rests of thousands of models. Newton steps follow, since beside a leading coefficient that is
@@ -92,8 +92,7 @@ def _real_roots(
         for level, roots in zip(
             levels.tolist(), polished(np.linalg.eigvals(companion), polynomials), strict=True
         ):
-            found = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
-            real[level] = found[np.abs(found) <= limit]
+            real[level] = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
     return real
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from dea.arrays import Array, Segment
 from dea.narx import kernels
-from dea.narx.limits import DIVERGED
+from dea.narx.limits import bound_of
 from dea.narx.simulation import BOUND, input_rows, structure
 from dea.terms import Term
 
@@ -87,8 +87,3 @@ class Segments:
         else:
             slope = np.concatenate([slope[part] for part in self.scored])
         return LinearisedRuns(float(residual @ residual), residual, slope)
-
-
-def bound_of(segments: Sequence[Segment]) -> float:
-    """Return the output beyond which a run diverges; one segment may be at rest throughout."""
-    return DIVERGED * max(float(np.abs(y).max()) for _, y in segments)

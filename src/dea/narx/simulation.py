@@ -82,7 +82,7 @@ def bounded(
     *,
     start: float = 0.0,
 ) -> NDArray[np.bool_]:
-    """Say of each of several runs whether it keeps within ``bound``, (runs,).
+    """Say of each of several runs whether it keeps within ``bound`` about ``start``, (runs,).
 
     Parameters
     ----------

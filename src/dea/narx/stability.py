@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.inputs import by_input
-from dea.narx.limits import DIVERGED, LEEWAY, stays_in_range
+from dea.narx.limits import DIVERGED, LEEWAY, MeasuredRange, stays_in_range
 from dea.narx.rest import Rests, rests_over
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import bounded
@@ -48,8 +48,8 @@ class Stability:
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
         and the spectrum of the record's; phase-randomised inputs with its spectrum. Of a record of
         more than 20,000 samples each random input is like a stretch of that length, taken in turn
-        from its beginning to its end. Runs on such inputs may reach three times the largest output
-        of the record, holds a hundred times.
+        from its beginning to its end. Runs on such inputs may depart from the mean output of the
+        record three times as far as it does itself, holds a hundred times.
     samples
         Of the record.
     """
@@ -175,7 +175,6 @@ class StabilityTest:
 
     def __init__(self, segments: Sequence[tuple[Array, Array]]) -> None:
         u = np.concatenate([u for u, _ in segments])
-        largest = max(float(np.abs(y).max()) for _, y in segments)
         length = max(len(u), _SHORTEST)
         copies = -(-_SHORTEST // min(len(u), _LONGEST))
         self.samples = len(u)
@@ -186,9 +185,9 @@ class StabilityTest:
             for level in line
         )
         self.random = _random_inputs(u.tobytes("F"), u.shape, copies)
+        # The level of the record is zero only where the scaling is its own.
+        self._start, largest = MeasuredRange.of(segments)
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
-        # The level of the record, which is zero only where the scaling is its own.
-        self._start = float(np.mean(np.concatenate([y for _, y in segments])))
 
     def rests(self, terms: tuple[Term, ...], parameters: Array) -> Rests:
         """Return the model's rests over the input range."""
@@ -227,9 +226,10 @@ def stays_in_range_reversed(
     """Whether the model stays in range on the time-reversed inputs of the records.
 
     These have the same amplitudes and spectrum, so that a model that leaves the range by far on
-    them is bounded on these records only. It is fast enough for every candidate of a search.
+    them is bounded on these records only.
     """
-    return all(stays_in_range(terms, parameters, u[::-1], y[::-1]) for u, y in segments)
+    measured = MeasuredRange.of(segments)
+    return all(stays_in_range(terms, parameters, u[::-1], y[::-1], measured) for u, y in segments)
 
 
 def _lines(u: Array, count: int) -> list[Array]:
