@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 import dea
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, estimate, held_out_error, lag_choices, refine
+from dea.narx.labels import Labels
 from dea.terms import Term
 
 RATE = 20.0
@@ -249,3 +250,41 @@ def test_missing_outputs_are_named_with_what_leaves_them_out():
 def test_choices_of_lags_are_pairs(choices, one):
     with pytest.raises(InputError, match=f"choices: one is {one}. Give pairs of output lags"):
         dea.select_lags(record(), choices=choices)
+
+
+def frames():
+    """Two inputs as a frame, the same with its columns exchanged, and the output."""
+    a, b = np.random.default_rng(8).uniform(-1.0, 1.0, (2, 400))
+    y = np.zeros(a.size)
+    for t in range(1, y.size):
+        y[t] = 0.6 * y[t - 1] + 0.5 * a[t - 1] - 0.3 * b[t - 1]
+    one = pd.DataFrame({"a": a, "b": b})
+    return one, one[["b", "a"]], y
+
+
+def test_columns_of_frames_are_found_by_name_where_a_model_is_made_and_used():
+    one, other, y = frames()
+    halves = [one[:200], other[200:]], [y[:200], y[200:]]
+    for given in ((one, y), halves):
+        model = dea.select_terms(*given, y_lags=1, u_lags=1, degree=1)
+        assert [name for name, _ in model.named_inputs] == ["a", "b"]
+        assert model.score(one, y) == model.score(other, y) > 0.999
+    terms = ("y(t-1)", "u1(t-1)", "u2(t-1)")
+    assert estimate(terms, other, y, scaling=Scaling()).parameters == pytest.approx(
+        [0.6, -0.3, 0.5]
+    )
+
+
+def test_refinement_takes_the_columns_that_the_model_names():
+    one, other, y = frames()
+    terms, whole = ("y(t-1)", "u1(t-1)", "u2(t-1)"), dea.Record.of(one, y, RATE)
+    model = estimate(terms, whole, scaling=Scaling())
+    assert refine(model, other, y).parameters == pytest.approx([0.6, 0.5, -0.3])
+    assert refine(model, one, y).labels == model.labels
+
+
+def test_a_name_that_columns_share_tells_nothing():
+    one, _, y = frames()
+    model = dea.select_terms(one.set_axis(["a", "a"], axis=1), y, y_lags=1, u_lags=1, degree=1)
+    assert model.labels == Labels()
+    assert model.score(one.to_numpy(), y) > 0.999

@@ -5,22 +5,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dea.arrays import Array, Segment
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
 from dea.narx.checks import as_pair, check_variation, refuse_missing
-from dea.narx.labels import unpacked
+from dea.narx.labels import Signals, listed, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
 from dea.store import Record
 from dea.terms import Term, as_terms, max_lag
-
-Signals = ArrayLike | Sequence[ArrayLike]
 
 NOT_WHITE = (
     "the one-step error is correlated in time, so that least squares on measured outputs is biased"
@@ -198,13 +195,3 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
         )
     check_variation(*zip(*records, strict=True))
     return records
-
-
-def listed(signals: Signals) -> list[ArrayLike]:
-    """Return the signals of each record.
-
-    Several records come as a list or tuple of arrays; one as an array or a list of numbers.
-    """
-    if isinstance(signals, list | tuple) and signals and np.ndim(signals[0]) > 0:
-        return list(signals)
-    return [signals]  # type: ignore[list-item]

@@ -7,7 +7,8 @@ import numpy as np
 
 from dea.arrays import Array
 from dea.errors import InputError
-from dea.narx.estimation import Signals, as_segments, scaling_of
+from dea.narx.estimation import as_segments, scaling_of
+from dea.narx.labels import Signals
 from dea.narx.selection import search_terms
 from dea.terms import Term, as_terms
 

@@ -13,6 +13,8 @@ from dea.missing import stretches
 from dea.narx.checks import as_pair
 from dea.store import Record, Text, each_text, input_names, real_numbers
 
+Signals = ArrayLike | Sequence[ArrayLike]
+
 # Part by which the rate of a record may differ from the model's: a clock may be off by as much.
 _RATES_APART = 1e-3
 
@@ -39,6 +41,16 @@ class Labels:
     def of(cls, record: Record) -> "Labels":
         """Return those of a record."""
         return cls(**{name: getattr(record, name) for name in cls.__dataclass_fields__})
+
+    @classmethod
+    def of_columns(cls, u: ArrayLike) -> "Labels":
+        """Return the names of a frame's columns, nothing where they are no texts or one twice."""
+        columns = list(getattr(u, "columns", ()))
+        if not all(isinstance(name, str) for name in columns) or len(set(columns)) < len(columns):
+            return cls()
+        if len(columns) > 1:
+            return cls(u_units=("1",) * len(columns), u_name=tuple(columns))
+        return cls(u_name=columns[0]) if columns else cls()
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, Any]) -> "Labels":
@@ -135,21 +147,28 @@ def _same_rate(one: float, other: float) -> bool:
     return abs(one / other - 1.0) <= _RATES_APART
 
 
-def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
+def unpacked(
+    u: Any, y: Any, lag: int, terms: int, model: Labels | None = None
+) -> tuple[Any, Any, Labels]:
     """Return inputs, outputs and labels, whether ``u`` is signals or one or several records.
 
-    The stretches between missing samples of records become records of their own.
+    The stretches between missing samples of records become records of their own. The columns of
+    frames come in the order of the first one's, or in that of the ``model`` they are for.
 
     Raises
     ------
     InputError
-        If records differ in rate or units, or hold no stretch long enough for the lags.
+        If records differ in rate or units, or from the model's, or hold no stretch long enough for
+        the lags; if frames name other inputs.
     """
     records = records_in(u)
     if records is None:
         if y is None:
             raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
-        return u, y, Labels()
+        signals = listed(u)
+        labels = Labels.of_columns(signals[0]) if model is None else model
+        ordered = [labels.in_order(each) for each in signals]
+        return (ordered if len(ordered) > 1 else ordered[0]), y, labels
     _refuse_second_output(y)
     labels = Labels.of(records[0])
     for each in records[1:]:
@@ -159,6 +178,8 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
                 field="u",
                 remedy="Give records of one rate, in the same units, of the same signals",
             )
+    if model is not None:
+        model.refuse_other(labels)
     inputs: list[Array] = []
     outputs: list[Array] = []
     for each in records:
@@ -248,3 +269,13 @@ def records_in(u: Any) -> list[Record] | None:
             remedy="Give a dea.Record of each, or lists of inputs and of outputs",
         )
     return list(u)
+
+
+def listed(signals: Signals) -> list[ArrayLike]:
+    """Return the signals of each record.
+
+    Several records come as a list or tuple of arrays; one as an array or a list of numbers.
+    """
+    if isinstance(signals, list | tuple) and signals and np.ndim(signals[0]) > 0:
+        return list(signals)
+    return [signals]  # type: ignore[list-item]

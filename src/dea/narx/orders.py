@@ -12,7 +12,8 @@ from dea.inputs import input_count
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
-from dea.narx.estimation import Signals, estimate, listed
+from dea.narx.estimation import estimate
+from dea.narx.labels import Signals, listed
 from dea.narx.metrics import fpe, nmse
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms

@@ -9,10 +9,10 @@ from dea import least_squares
 from dea.arrays import Array, Segment
 from dea.errors import InputError
 from dea.least_squares import Model, Point
-from dea.narx.estimation import Signals, as_segments, estimate, normalised
+from dea.narx.estimation import as_segments, estimate, normalised
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.free_run_fit import DAMPING, damped, fit_free_runs
-from dea.narx.labels import unpacked
+from dea.narx.labels import Signals, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.scaling import Scaling
 from dea.narx.segments import Segments, squared_error
@@ -63,8 +63,7 @@ def refine(
         If the records are not usable or unlike the model's own, or its free run on them diverges.
     """
     lag, count = model.max_lag, len(model.terms)
-    inputs, outputs, labels = unpacked(u, y, lag, count)
-    model.labels.refuse_other(labels)
+    inputs, outputs, _ = unpacked(u, y, lag, count, model.labels)
     segments = normalised(as_segments(inputs, outputs, lag, count), model.scaling)
     fit = fit_free_runs(model.terms, model.parameters, segments, iterations)
     if not np.isfinite(fit.msse):

@@ -14,16 +14,14 @@ from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
     LeastSquares,
-    Signals,
     as_segments,
     least_squares,
-    listed,
     normalised,
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
 from dea.narx.free_run_fit import FreeRunFit
-from dea.narx.labels import Labels, records_in, unpacked
+from dea.narx.labels import Labels, Signals, listed, records_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
 from dea.narx.scaling import Scaling
@@ -58,7 +56,8 @@ def select_terms(
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
         such records, which share one model. Several inputs are the columns of ``u``, shape
-        (samples, inputs), and terms call them u1, u2 and so on. Or one or several
+        (samples, inputs), and terms call them u1, u2 and so on; of a pandas frame the model learns
+        their names. Or one or several
         :class:`dea.Record` alone: their missing samples are left out, and the model carries their
         rate, units and names.
     y_lags, u_lags
