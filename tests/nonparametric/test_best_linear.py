@@ -133,6 +133,23 @@ def test_realisations_with_other_lines_are_refused():
         best_linear(Periods(u, u, 0.0))
 
 
+def test_which_lines_are_excited_is_a_share_of_the_strongest_that_may_be_set():
+    rng = np.random.default_rng(11)
+    u = multisines(rng, 3, 2)
+    u += 0.008 * np.cos(
+        2 * np.pi * (5 * np.arange(SAMPLES) / SAMPLES + rng.uniform(size=(3, 1, 1)))
+    )
+    assert 5 in best_linear(Periods(u, 3.0 * u, 0.0)).detection
+    found = best_linear(Periods(u, 3.0 * u, 0.0), excited_above=1e-3)
+    assert sorted(found.lines) == sorted([5, *LINES])
+    np.testing.assert_allclose(found.response, 3.0, rtol=1e-9)
+    for share in (0.0, 1.0, np.nan, "0.1"):
+        with pytest.raises(
+            InputError, match=r"excited_above: it is .*Give a share between 0 and 1"
+        ):
+            best_linear(Periods(u, u, 0.0), excited_above=share)
+
+
 @pytest.mark.parametrize("length", [SAMPLES // 2, SAMPLES + SAMPLES // 4])
 def test_an_input_that_does_not_repeat_with_the_period_is_refused(length):
     """Half a period of an odd multisine is its negative: nothing is left to divide by."""

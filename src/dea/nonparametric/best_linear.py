@@ -5,6 +5,7 @@ between the responses of a system to several multisines, what differs between pe
 is noise, and what differs between realisations of the phases is noise and nonlinear distortion.
 """
 
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,6 @@ from dea.nonparametric.periods import Periods
 
 Lines = NDArray[np.int64]
 
-_EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
 # RMS of what differs between the periods of an input, as a part of how it moves: noise that it is
 # measured with stays below; with another period all of it differs.
@@ -48,7 +48,7 @@ class BestLinear(NamedTuple):
 
     @property
     def detection(self) -> Lines:
-        """The harmonics from 1 to the highest line at which the input holds nothing."""
+        """The harmonics from 1 to the highest line that are not excited."""
         return np.setdiff1d(np.arange(1, self.lines[-1] + 1), self.lines)
 
     def radius(self) -> Array:
@@ -65,7 +65,7 @@ class BestLinear(NamedTuple):
         return np.asarray(quantile * np.sqrt(0.5 * self.total))
 
 
-def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
+def best_linear(periods: Periods, drift: int = 3, excited_above: float = 0.01) -> BestLinear:
     """Estimate the best linear approximation of the system between input and output.
 
     Parameters
@@ -75,13 +75,21 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     drift
         Order of the polynomial in time that the output of each realisation is freed of, together
         with its period; 0 where the output does not drift.
+    excited_above
+        Share of the strongest line's input amplitude above which a line is excited. Noise,
+        quantisation and distortion of the input have to stay below it. A weaker line of the
+        multisine counts as not excited, and the output there as distortion.
 
     Raises
     ------
     InputError
         If the input does not repeat from period to period, the realisations do not excite the same
-        lines or none, or the drift is not an order.
+        lines or none, the drift is not an order, or ``excited_above`` no share.
     """
+    if not (isinstance(excited_above, Real) and 0.0 < float(excited_above) < 1.0):
+        raise InputError(
+            f"it is {excited_above!r}", field="excited_above", remedy="Give a share between 0 and 1"
+        )
     if not isinstance(drift, int | np.integer) or drift < 0:
         raise InputError(
             f"it is {drift!r}", field="drift", remedy="Give the order of a polynomial, 0 or more"
@@ -92,12 +100,13 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     spectrum_u = np.fft.rfft(u.mean(axis=1)) / samples
     amplitude = np.abs(spectrum_u)
     amplitude[:, 0] = 0.0
-    excited = amplitude > _EXCITED * amplitude.max()
+    excited = amplitude > excited_above * amplitude.max()
     if not (excited == excited[0]).all():
         raise InputError(
             "the realisations excite different lines",
             field="realisation",
-            remedy="Change the phases of the multisine alone from one to the next.",
+            remedy="Change the phases of the multisine alone from one to the next, or excited_above"
+            " where the weakest lines come near it",
         )
     lines = np.flatnonzero(excited[0])
     if not lines.size:

@@ -27,7 +27,11 @@ class Estimates(NamedTuple):
 
 
 def best_linear_approximation(
-    record: xr.Dataset | str | Path, *, period: float | None = None, drift: int = 3
+    record: xr.Dataset | str | Path,
+    *,
+    period: float | None = None,
+    drift: int = 3,
+    excited_above: float = 0.01,
 ) -> xr.Dataset:
     """Measure the best linear approximation in each probing stretch of a record.
 
@@ -46,6 +50,9 @@ def best_linear_approximation(
         Of the multisines in s; by default the record's attribute ``probing_period``.
     drift
         Order of the polynomial in time that outputs are freed of.
+    excited_above
+        Share of the strongest line's input amplitude above which a line is excited. Weaker lines of
+        the multisine count as not excited, and the output there as distortion.
 
     Returns
     -------
@@ -55,7 +62,7 @@ def best_linear_approximation(
         ``response_std`` by noise and nonlinear distortion, and ``distortion``, the standard
         deviation of the response to one realisation by nonlinear distortion alone; the 95 % bands
         ``gain_low``, ``gain_high``, ``phase_low``, ``phase_high`` (degrees). Over (stretch,
-        detection_frequency), where the input holds nothing: ``output_level``, the root mean square
+        detection_frequency), lines that are not excited: ``output_level``, the root mean square
         of the output's Fourier coefficients in output units, and ``output_noise``, what of it
         noise explains; ``odd`` (detection_frequency) is 1 at odd and 0 at even lines.
 
@@ -63,14 +70,18 @@ def best_linear_approximation(
     ------
     InputError
         If the record does not number stretches and realisations, its period is unknown,
-        realisations hold fewer than two whole periods or samples that are missing, or ``drift`` is
-        not an order.
+        realisations hold fewer than two whole periods or samples that are missing, ``drift`` is
+        not an order, or ``excited_above`` no share.
     """
-    return estimates(record, period=period, drift=drift).dataset
+    return estimates(record, period=period, drift=drift, excited_above=excited_above).dataset
 
 
 def estimates(
-    record: xr.Dataset | str | Path, *, period: float | None = None, drift: int = 3
+    record: xr.Dataset | str | Path,
+    *,
+    period: float | None = None,
+    drift: int = 3,
+    excited_above: float = 0.01,
 ) -> Estimates:
     """Return what :func:`best_linear_approximation` does, with the estimates it is made from.
 
@@ -93,7 +104,7 @@ def estimates(
             remedy="Give it in s, or as the record's attribute probing_period.",
         )
     stretches = periods_of(content, float(length))
-    found = [best_linear(stretch, drift) for stretch in stretches]
+    found = [best_linear(stretch, drift, excited_above) for stretch in stretches]
     if any(not np.array_equal(each.lines, found[0].lines) for each in found):
         raise InputError(
             "the stretches excite different lines",
