@@ -198,6 +198,17 @@ def test_a_band_around_a_response_has_its_half_widths():
     np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 
+def test_samples_between_the_multisines_of_a_stretch_are_of_none(record):
+    """They may belong to the stretch, as its settling does."""
+    settling = record.assign(probing=record.probing.where(record.time >= 110.0, 1))
+    assert np.count_nonzero(settling.probing == 1) > np.count_nonzero(record.probing == 1)
+    first, wanted = (periods_of(each, 10.0)[0] for each in (settling, record))
+    np.testing.assert_array_equal(first.u, wanted.u)
+    assert first.time == wanted.time
+    with pytest.raises(InputError, match="stretch 1 holds 0 realisations"):
+        periods_of(record.assign(realisation=0 * record.realisation), 10.0)
+
+
 def spoilt(record, name, value):
     """The record with one other value in its first stretch."""
     at = np.flatnonzero(record["probing"].values == 1)[5]

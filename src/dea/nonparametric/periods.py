@@ -29,7 +29,7 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
     ----------
     record
         With ``probing(time)``, the number of the stretch that a sample is in, from 1, or 0, and
-        ``realisation(time)``, the number of its multisine in that stretch.
+        ``realisation(time)``, the number of its multisine in that stretch, from 1, or 0.
     period
         In s.
 
@@ -58,12 +58,12 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
     probing, realisation = record["probing"].values, record["realisation"].values
     found = []
     for stretch in np.unique(probing[probing > 0]):
-        inside = np.flatnonzero(probing == stretch)
+        inside = np.flatnonzero((probing == stretch) & (realisation > 0))
         cut = [
             _cut(inside[realisation[inside] == number], length, int(stretch))
             for number in np.unique(realisation[inside])
         ]
-        count = min(part.shape[0] for part in cut)
+        count = min((part.shape[0] for part in cut), default=0)
         if len(cut) < 2 or count < 2:
             raise InputError(
                 f"stretch {stretch} holds {len(cut)} realisations of {count} whole periods",
