@@ -198,6 +198,17 @@ def test_a_band_around_a_response_has_its_half_widths():
     np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 
+def test_a_response_that_noise_hides_has_any_phase_and_no_negative_gain(record):
+    noise = 10.0 * np.random.default_rng(1).standard_normal(2400)
+    found = best_linear_approximation(record.assign(output=record.output + noise))
+    hidden = found.gain_low.values == 0.0
+    assert (found.gain_low >= 0.0).all()
+    assert 0 < np.count_nonzero(hidden) < hidden.size
+    turn = (found.phase_high - found.phase_low).values
+    np.testing.assert_allclose(turn[hidden], 360.0)
+    assert (turn[~hidden] < 180.0).all()
+
+
 def test_samples_between_the_multisines_of_a_stretch_are_of_none(record):
     """They may belong to the stretch, as its settling does."""
     settling = record.assign(probing=record.probing.where(record.time >= 110.0, 1))

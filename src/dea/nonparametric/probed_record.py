@@ -61,7 +61,8 @@ def best_linear_approximation(
         units per input unit; its standard deviations ``response_noise`` by noise and
         ``response_std`` by noise and nonlinear distortion, and ``distortion``, the standard
         deviation of the response to one realisation by nonlinear distortion alone; the 95 % bands
-        ``gain_low``, ``gain_high``, ``phase_low``, ``phase_high`` (degrees). Over (stretch,
+        ``gain_low``, ``gain_high``, ``phase_low``, ``phase_high`` (degrees), which hold zero and a
+        whole turn where the response is not told from zero. Over (stretch,
         detection_frequency), lines that are not excited: ``output_level``, the root mean square
         of the output's Fourier coefficients in output units, and ``output_noise``, what of it
         noise explains; ``odd`` (detection_frequency) is 1 at odd and 0 at even lines.
@@ -125,7 +126,7 @@ def labelled(
     response = np.stack([each.response for each in found])
     half = np.stack([each.half_width() for each in found])
     gain, angle = np.abs(response), np.degrees(np.angle(response))
-    turn = np.degrees(half / gain)
+    turn = np.where(half < gain, np.degrees(half / gain), 180.0)
     detection = first.detection
 
     def at_lines(values: np.ndarray, unit: str, name: str) -> Described:
@@ -153,7 +154,9 @@ def labelled(
             "distortion": std(
                 [each.distortion for each in found], "by nonlinear distortion, one realisation"
             ),
-            "gain_low": at_lines(gain - half, gain_units, "lower end of the gain's 95 % band"),
+            "gain_low": at_lines(
+                np.maximum(gain - half, 0.0), gain_units, "lower end of the gain's 95 % band"
+            ),
             "gain_high": at_lines(gain + half, gain_units, "upper end of the gain's 95 % band"),
             "phase_low": at_lines(angle - turn, "degree", "lower end of the phase's 95 % band"),
             "phase_high": at_lines(angle + turn, "degree", "upper end of the phase's 95 % band"),
