@@ -65,3 +65,9 @@ def test_regressors_times_parameters_continue_a_free_run(model, seed):
     y = simulate(model.terms, model.parameters, u, start)
     predicted = regressor_matrix(model.terms, u, y) @ model.parameters
     np.testing.assert_allclose(predicted, y[model.max_lag :], rtol=1e-10, atol=1e-12)
+
+
+def test_a_model_without_a_parameter_for_each_term_is_refused():
+    terms = tuple(map(Term.parse, ("y(t-1)", "u(t-1)", "u(t-2)")))
+    with pytest.raises(InputError, match=r"parameters: its shape is \(1,\)\. Use \(3,\)"):
+        simulate(terms, np.array([0.5]), np.ones(9), np.zeros(2))

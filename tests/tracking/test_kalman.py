@@ -166,3 +166,15 @@ def test_outputs_that_are_missing_in_step_with_the_thinning_leave_the_others():
         fit_noise_ratio(*each, prior, thinning=10) for each in ((Phi[1:], y[1:]), (Phi, gappy))
     )
     np.testing.assert_array_equal(found, shifted)
+
+
+def test_what_does_not_fit_the_regressors_is_refused():
+    Phi, y, q = np.ones((9, 2)), np.ones(9), np.full(2, 1e-3)
+    fits, short = Prior(np.zeros(2), 1.0), Prior(np.zeros(1), 1.0)
+    for estimate in (smooth, log_likelihood):
+        with pytest.raises(InputError, match=r"y: its shape is \(8,\)\. Use \(9,\)"):
+            estimate(Phi, y[:-1], q, fits)
+        with pytest.raises(InputError, match=r"prior_mean: its shape is \(1,\)\. Use \(2,\)"):
+            estimate(Phi, y, q, short)
+    with pytest.raises(InputError, match="y: its shape"):
+        fit_noise_ratio(Phi, y[:-1], fits, thinning=2)

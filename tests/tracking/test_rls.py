@@ -223,3 +223,11 @@ def test_an_equation_that_is_missing_is_left_out(share, forgetting):
     np.testing.assert_allclose(found.theta[-1], theta, rtol=1e-9)
     variance = squares[0] / weight.sum() * np.diag(np.linalg.inv(rows.T @ rows))
     np.testing.assert_allclose(found.variance[-1], variance, rtol=1e-9)
+
+
+@pytest.mark.parametrize("wrong", ["y", "theta_0", "target"])
+def test_what_does_not_fit_the_regressors_is_refused(wrong):
+    given = {"y": np.ones(9), "theta_0": np.zeros(2), "target": np.zeros(2)}
+    given[wrong] = given[wrong][:-1]
+    with pytest.raises(InputError, match=rf"{wrong}: its shape is \({given[wrong].size},\)\. Use"):
+        recursive_least_squares(np.ones((9, 2)), given.pop("y"), **given)

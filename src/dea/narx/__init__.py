@@ -3,7 +3,7 @@
 from dea.confidence import LEVEL
 from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
-from dea.narx.checks import as_input, as_signal, check_variation
+from dea.narx.checks import as_input, as_signal, check_shape, check_variation
 from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
@@ -63,6 +63,7 @@ __all__ = [
     "baselines",
     "candidate_terms",
     "check_rate",
+    "check_shape",
     "check_variation",
     "compare_orders",
     "compare_structures",

@@ -34,6 +34,12 @@ def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
     return signal
 
 
+def check_shape(values: Array, wanted: tuple[int, ...], field: str) -> None:
+    """Refuse an array of another shape, beyond whose end compiled code would read."""
+    if np.shape(values) != wanted:
+        raise InputError(f"its shape is {np.shape(values)}", field=field, remedy=f"Use {wanted}.")
+
+
 def refuse_missing(y: ArrayLike, remedy: str) -> None:
     """Refuse outputs of which samples are missing, where nothing can leave them out."""
     missing = np.flatnonzero(np.isnan(real_numbers(y, "y")))

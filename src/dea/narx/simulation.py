@@ -15,7 +15,7 @@ from dea.arrays import Array, Indices
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.narx import kernels
-from dea.narx.checks import check_inputs
+from dea.narx.checks import check_inputs, check_shape
 from dea.narx.kernels import NONE, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 
@@ -63,9 +63,15 @@ def simulate(
     -------
     ndarray
         Outputs, shape (samples,).
+
+    Raises
+    ------
+    InputError
+        If there is not one parameter for each term, or inputs or initial outputs are too few.
     """
     shape, numbered = _described(terms)
     check_inputs(numbered, u)
+    check_shape(parameters, (len(terms),), "parameters")
     y = np.empty(u.shape[0])
     initial = initial_outputs(y_initial, shape.start, y.size)
     y[: initial.size] = initial
@@ -117,9 +123,7 @@ def simulate_varying(
     InputError
         If ``theta`` is of another shape.
     """
-    wanted = u.shape[0], len(terms)
-    if theta.shape != wanted:
-        raise InputError(f"its shape is {theta.shape}", field="theta", remedy=f"Use {wanted}.")
+    check_shape(theta, (u.shape[0], len(terms)), "theta")
     shape = structure(terms)
     y = np.empty(u.shape[0])
     initial = initial_outputs(y_initial, shape.start, y.size)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.narx import check_shape
 from dea.tracking.kalman_passes import Filtered, run_filter, run_smoother, score
 
 NOWHERE = np.empty(0, dtype=np.int64)
@@ -73,6 +74,11 @@ def smooth(
         Of the parameters.
     at
         Samples, ascending, at which the whole covariance is kept.
+
+    Raises
+    ------
+    InputError
+        If a variance is negative or not finite, or a shape does not fit Phi's.
     """
     Phi, y, q, theta_0, P_0 = _arrays(Phi, y, noise_ratio, prior)
     forward = run_filter(Phi, y, q, theta_0, P_0, True)
@@ -130,6 +136,7 @@ def fit_noise_ratio(
     """
     from scipy.optimize import minimize
 
+    check_shape(y, (len(Phi),), "y")
     common = _common_ratio(Phi, y, prior, thinning, bounds)
     # A parameter takes `thinning` steps between the samples that are used.
     Phi, y = thinned(Phi, y, thinning)
@@ -198,7 +205,9 @@ def _arrays(
     Phi: Array, y: Array, noise_ratio: Array, prior: Prior
 ) -> tuple[Array, Array, Array, Array, Array]:
     Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
-    p = Phi.shape[1]
+    samples, p = Phi.shape
+    check_shape(y, (samples,), "y")
+    check_shape(prior.mean, (p,), "prior_mean")
     q = np.array(np.broadcast_to(noise_ratio, p), dtype=float)
     P_0 = np.array(np.broadcast_to(prior.variance, p), dtype=float)
     for field, variances in (("noise_ratio", q), ("prior_variance", P_0)):

@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from dea.arrays import Array
+from dea.narx import check_shape
 from dea.tracking.setting_checks import check_settings
 
 
@@ -101,13 +102,16 @@ def recursive_least_squares(
     Raises
     ------
     InputError
-        If a setting is not a finite number, or outside its range.
+        If a setting is not a finite number, or outside its range; if a shape does not fit Phi's.
     """
     check_settings(forgetting, leakage, delta)
     Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
-    p = Phi.shape[1]
+    samples, p = Phi.shape
+    check_shape(y, (samples,), "y")
     theta_0 = np.zeros(p) if theta_0 is None else np.asarray(theta_0, dtype=float)
     target = theta_0 if target is None else np.asarray(target, dtype=float)
+    for name, parameters in (("theta_0", theta_0), ("target", target)):
+        check_shape(parameters, (p,), name)
     state = initial_state(theta_0, target, delta)
     found = _recursion(state, Phi, y, forgetting, leakage, target.copy())
     settings = RlsSettings(forgetting, leakage, delta)
