@@ -429,3 +429,22 @@ def test_a_missing_sample_in_every_equation_is_named():
     for method in METHODS:
         with pytest.raises(InputError, match="y: a missing sample enters every equation"):
             track_parameters(model, u, holes, method=method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_outputs_that_are_missing_at_the_start_leave_no_gap_in_the_bands(method):
+    rng = np.random.default_rng(6)
+    terms = {"y(t-1)": 0.8, "u(t-1)": 0.3}
+    plant, u, y = NarxModel.from_terms(terms), rng.uniform(-1.0, 1.0, 3000), np.zeros(3000)
+    for t in range(1, y.size):
+        y[t] = 0.8 * y[t - 1] + 0.3 * u[t - 1] + 0.01 * rng.standard_normal()
+    model = estimate(plant.terms, u, y, scaling=plant.scaling)
+    y[:50] = np.nan
+    track = track_parameters(model, u, y, method=method)
+    assert not track.attrs["withheld"]
+    for name in ("parameter_std", "covariance", "band_low", "band_high"):
+        assert np.isfinite(track[name]).all(), name
+    assert np.isnan(track["innovation"][:51]).all()
+    assert np.isfinite(track["innovation"][51:]).all()
+    runs = compare_free_runs(model, {method: track}, u, y, window=500)
+    assert np.isfinite(runs["simulated_low"]).all()

@@ -37,7 +37,7 @@ from dea.tracking.local import (
     usual_window,
 )
 from dea.tracking.output_error import free_run, smooth_simulation
-from dea.tracking.random_walk import RandomWalk, root_mean_square
+from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.setting_checks import check_count, check_delta
 from dea.tracking.structure import with_constant
@@ -172,8 +172,13 @@ def _recursive(
     method: str,
     settings: dict[str, Any],
 ) -> TrackerEstimate:
-    """Track by recursive least squares, without the equations that a missing output enters."""
+    """Track by recursive least squares, without the equations that a missing output enters.
+
+    It begins at the first equation there is, before which nothing tells how large the noise is.
+    """
     Phi, target = _equations(model, signals)
+    before = int(np.argmax(np.isfinite(target)))
+    Phi, target, at = Phi[before:], target[before:], np.maximum(at - before, 0)
     there = np.isfinite(target)
     scale = root_mean_square(Phi)
     Phi = np.where(there[:, None], Phi / scale, 0.0)
@@ -194,9 +199,9 @@ def _recursive(
         withheld = withheld or TARGET_UNKNOWN
     withheld = withheld or _undetermined(model, signals)
     return TrackerEstimate(
-        found.theta / scale,
-        np.sqrt(found.variance) / scale,
-        found.innovation,
+        lead_in(found.theta / scale, before),
+        lead_in(np.sqrt(found.variance) / scale, before),
+        np.concatenate([np.full(before, np.nan), found.innovation]),
         covariance / np.outer(scale, scale),
         method,
         withheld,
