@@ -150,3 +150,12 @@ def test_parameters_of_other_terms_are_refused():
     track = track_of().assign_coords(term=["y(t-1)", "y(t-2)", "y(t-3)", "y(t-4)"])
     with pytest.raises(InputError, match="track: its terms are"):
         response_over_time(MODEL, track, np.ones(3), RATE)
+
+
+def test_what_the_strongest_tone_dwarfs_is_not_excited_though_it_lies_beyond_the_grid():
+    noise = np.random.default_rng(1).standard_normal(20 * SAMPLES)
+    u = np.sin(2.0 * np.pi * 0.4 * np.arange(noise.size)) + 1e-4 * noise
+    found = response_over_time(MODEL, track_of(), u, RATE, grid=GRID)
+    assert found["frequency"].max() < 0.3 * RATE
+    assert not found["excited"].any()
+    assert not found["excited_h2"].any()

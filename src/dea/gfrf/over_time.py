@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
-from dea.gfrf.excited_band import input_spectrum
+from dea.gfrf.excited_band import InputSpectrum
 from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
@@ -334,10 +334,11 @@ class _Spectrum:
     def __init__(
         self, u: Array, sampling_rate: float, f: Array, plane: Array, excited_above: float
     ) -> None:
-        self._density, on_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
-        largest = max(self._density.max(), on_plane.max())
-        self._excited = self._density > excited_above * largest
-        self._on_plane = on_plane > excited_above * largest
+        spectrum = InputSpectrum.of(u, sampling_rate)
+        least = excited_above * spectrum.density.max()
+        self._density = spectrum.at(f)
+        self._excited = self._density > least
+        self._on_plane = spectrum.at(plane) > least
 
     def of_input(self) -> dict[str, Any]:
         """Return the spectrum and the excited frequencies of H1."""
