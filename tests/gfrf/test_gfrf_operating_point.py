@@ -80,6 +80,9 @@ def test_a_linear_model_settles_at_any_level(level):
 def test_slow_models_settle_too():
     model = NarxModel.from_terms({"1": 1e-4, "y(t-1)": 0.9999, "u(t-1)": 1.0})
     assert zero_input_response(model) == pytest.approx(1.0, abs=1e-9)
+    # At rest after 328,000 samples, within the last run alone.
+    slower = NarxModel.from_terms({"1": 4e-5, "y(t-1)": 0.99996, "u(t-1)": 1.0})
+    assert zero_input_response(slower) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_the_rest_is_in_physical_units_at_a_physical_input():

@@ -11,7 +11,7 @@ from dea.narx import BOUND, polished, simulate, static_polynomial
 from dea.terms import Term, max_lag, static_value
 
 _FIRST_RUN = 256  # samples; each further run is twice as long
-_RUNS = 11  # half a million samples in all: poles up to 0.9999 come to rest within them
+_RUNS = 11  # half a million samples in all: poles up to 0.99997 come to rest within them
 _NEAR = 1e-6  # distance from an attracting root, relative to 1 + |root|, that counts as at rest
 
 
@@ -36,14 +36,21 @@ def rest(terms: Sequence[Term], theta: Array, u0: Array, start: float = 0.0) -> 
     bound = BOUND * (1.0 + max(map(abs, roots), default=0.0))
     lag = max(max_lag(terms), 1)
     outputs = np.full(lag, start)
+    reached = _reached(outputs, roots)
     for run in range(_RUNS):
-        for root in roots:
-            if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
-                return root
+        if reached is not None or not roots or not np.all(np.isfinite(outputs)):
+            break
         inputs = np.tile(u0, (lag + _FIRST_RUN * 2**run, 1))
         outputs = simulate(terms, theta, inputs, outputs, bound)[-lag:]
-        if not roots or not np.all(np.isfinite(outputs)):
-            return None
+        reached = _reached(outputs, roots)
+    return reached
+
+
+def _reached(outputs: Array, roots: Sequence[float]) -> float | None:
+    """Return the root that all of these outputs are at, None where they are at none."""
+    for root in roots:
+        if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
+            return root
     return None
 
 
