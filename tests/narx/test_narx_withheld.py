@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dea
-from dea.narx import NarxModel, Scaling, estimate, refine
+from dea.narx import NOT_WHITE, NarxModel, Scaling, estimate, refine
 
 PLANT = NarxModel.from_terms({"1": -0.2, "y(t-1)": 0.5, "u(t-1)^2": 0.8})
 
@@ -47,3 +47,12 @@ def test_so_few_equations_do_not_tell_the_noise(equations, withheld):
         y[t] = -0.2 + 0.5 * y[t - 1] + 0.8 * u[t - 1] ** 2 + noise[t]
     model = estimate(PLANT.terms, u, y, scaling=Scaling())
     assert ("fewer than ten equations" in model.withheld) is withheld
+
+
+def test_rounding_is_no_error_that_is_correlated_in_time():
+    plant = NarxModel.from_terms({"1": 0.1, "y(t-1)": 1.6, "y(t-2)": -0.65, "u(t-1)": 0.05})
+    u = np.cumsum(np.random.default_rng(2).uniform(-1.0, 1.0, 4000))
+    y = plant.simulate(u)
+    assert estimate(plant.terms, u, y).withheld == ""
+    noise = 1e-9 * np.convolve(np.random.default_rng(3).standard_normal(4009), np.ones(10), "valid")
+    assert estimate(plant.terms, u, y + y.std() * noise).withheld == NOT_WHITE

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.narx import NOT_WHITE
+from dea.narx import NOT_WHITE, NarxModel, estimate
+from dea.tracking import track_parameters
 from dea.tracking.bands import reason_to_withhold
 
 SAMPLES, WINDOW = 4000, 500
@@ -44,3 +45,12 @@ def test_an_innovation_that_is_coloured_is_seen(rng):
 def test_without_outputs_the_innovation_alone_tells(rng):
     Phi = np.ones((40, 2))
     assert reason_to_withhold(rng.standard_normal(40), Phi, np.full(40, np.nan)) == ""
+
+
+@pytest.mark.parametrize("method", ["rls", "kalman"])
+def test_rounding_is_no_error_that_is_coloured(method):
+    plant = NarxModel.from_terms({"1": 0.1, "y(t-1)": 1.6, "y(t-2)": -0.65, "u(t-1)": 0.05})
+    u = np.cumsum(np.random.default_rng(2).uniform(-1.0, 1.0, SAMPLES))
+    y = plant.simulate(u)
+    model = estimate(plant.terms, u, y)
+    assert NOT_WHITE not in track_parameters(model, u, y, method=method).attrs["withheld"]

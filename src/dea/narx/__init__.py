@@ -5,7 +5,7 @@ from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.checks import as_input, as_signal, check_shape, check_variation
 from dea.narx.common import compare_structures
-from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
+from dea.narx.estimation import NOT_WHITE, estimate, not_white, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
 from dea.narx.free_run_fit import FreeRunFit, curvature, fit_free_runs
 from dea.narx.held_out import held_out_error
@@ -87,6 +87,7 @@ __all__ = [
     "load_published",
     "nmse",
     "noise_model",
+    "not_white",
     "padded_lags",
     "pair",
     "parameter_interval",

@@ -30,6 +30,7 @@ FEW_EQUATIONS = (
     "fewer than ten equations are left beside the unknowns, too few to tell how large the noise is"
 )
 _LEFT = 10  # of a normal law; with fewer degrees of freedom a 95 % interval holds less than 92 %
+_ROUNDING = 1e-12  # errors up to this share of the largest output are rounding
 _DEPENDENT = 1e-12  # singular values below this share of the largest are rounding
 
 
@@ -88,14 +89,15 @@ def estimate(
 class LeastSquares:
     """Parameters (terms,) of least squared one-step error, and their covariance (terms, terms).
 
-    ``rank`` is the number of directions of the parameters that the equations determine, and
-    ``residuals`` holds the one-step error of each segment.
+    ``rank`` is the number of directions of the parameters that the equations determine,
+    ``residuals`` holds the one-step error of each segment, and ``outputs`` what the equations give.
     """
 
     parameters: Array
     covariance: Array
     rank: int
     residuals: list[Array]
+    outputs: Array
 
     @cached_property
     def withheld(self) -> str:
@@ -108,7 +110,21 @@ class LeastSquares:
         undetermined = too_little(equations, terms, terms - self.rank)
         if undetermined:
             return undetermined
-        return NOT_WHITE if fit_autoregression(self.residuals).order else ""
+        return not_white(self.residuals, self.outputs)
+
+
+def not_white(errors: Sequence[Array], outputs: Array) -> str:
+    """Return why one-step errors give no intervals, empty where they are white.
+
+    Errors that are the rounding of the ``outputs`` are none. Missing samples (NaN) are left out.
+    """
+    largest, level = (
+        np.max(np.abs(each), initial=0.0, where=np.isfinite(each))
+        for each in (np.concatenate(errors), outputs)
+    )
+    if largest <= _ROUNDING * level:
+        return ""
+    return NOT_WHITE if fit_autoregression(errors).order else ""
 
 
 def too_little(equations: int, unknowns: int, undetermined: int) -> str:
@@ -139,7 +155,8 @@ def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> LeastSq
     rank = int(kept.sum())
     variance = np.sum(error**2) / max(target.size - rank, 1)
     ends = np.cumsum([each.size for each in targets])[:-1]
-    return LeastSquares(theta, variance * (inverse @ inverse.T), rank, np.split(error, ends))
+    covariance = variance * (inverse @ inverse.T)
+    return LeastSquares(theta, covariance, rank, np.split(error, ends), target)
 
 
 def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling:

@@ -3,8 +3,7 @@
 import numpy as np
 
 from dea.arrays import Array
-from dea.autoregression import fit_autoregression
-from dea.narx import NOT_WHITE
+from dea.narx import not_white
 
 NOT_MOVED = (
     "no step of the free-run smoother lowered the error of the free run, so that this is the "
@@ -47,7 +46,7 @@ def reason_to_withhold(innovation: Array, Phi: Array, target: Array) -> str:
     # The first tenth holds the start from the prior.
     settled = innovation[innovation.size // 10 :]
     errors = [[settled], _in_windows(Phi, target)]
-    return NOT_WHITE if any(fit_autoregression(each).order for each in errors if each) else ""
+    return next(filter(None, (not_white(each, target) for each in errors if each)), "")
 
 
 def _in_windows(Phi: Array, target: Array) -> list[Array]:
