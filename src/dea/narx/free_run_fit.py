@@ -23,6 +23,7 @@ from dea.narx.parameter_covariance import (
 from dea.narx.simulation import input_rows, simulate, structure
 from dea.terms import Term
 
+_ROUNDING = 1e-12  # share of the run's norm, up to which a departure is rounding
 _ENDS = 2.0  # standard deviations either way, within which a run should be linear
 DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
@@ -124,6 +125,7 @@ def curvature(fit: FreeRunFit) -> float:
     norms = column_norms(seen)
     covariance = fit.covariance * np.outer(norms, norms)
     middle, largest = objective.outputs(fit.unknowns), 0.0
+    rounding = _ROUNDING * float(np.linalg.norm(middle))
     _, size, directions = np.linalg.svd(seen / norms, full_matrices=False)
     for energy, direction in zip(size**2, directions, strict=True):
         variance = float(direction @ covariance @ direction)
@@ -136,7 +138,8 @@ def curvature(fit: FreeRunFit) -> float:
             apart = objective.outputs(fit.unknowns + sign * step) - middle - sign * linear
             if not np.isfinite(apart).all():
                 return np.inf
-            largest = max(largest, float(np.linalg.norm(apart) / np.linalg.norm(linear)))
+            departure = max(float(np.linalg.norm(apart)) - rounding, 0.0)
+            largest = max(largest, departure / float(np.linalg.norm(linear)))
     return largest
 
 
