@@ -288,3 +288,11 @@ def test_a_name_that_columns_share_tells_nothing():
     model = dea.select_terms(one.set_axis(["a", "a"], axis=1), y, y_lags=1, u_lags=1, degree=1)
     assert model.labels == Labels()
     assert model.score(one.to_numpy(), y) > 0.999
+
+
+def test_an_output_that_is_passed_whole_may_lack_samples_after_the_first_ones(found):
+    u, y = made()
+    holes = np.where(np.arange(y.size) < found.max_lag, y, np.nan)
+    np.testing.assert_array_equal(found.simulate(u, holes), found.simulate(u, y))
+    with pytest.raises(InputError, match="y_initial: 1 of 2 samples are not numbers"):
+        found.simulate(u, np.where(np.arange(y.size) == 1, np.nan, y))

@@ -188,7 +188,8 @@ class NarxModel:
         """
         inputs = self.scaling.normalise_input(as_input(input_of(self.labels, u)))
         if y_initial is not None:
-            return inputs, self.scaling.normalise_output(as_signal(y_initial, "y_initial")), 0
+            given = self.scaling.normalise_output(as_signal(y_initial, "y_initial", missing=True))
+            return inputs, as_signal(given[: self.max_lag], "y_initial"), 0
         rest = np.zeros((self.max_lag, *inputs.shape[1:]))
         return np.concatenate([rest, inputs]), np.zeros(self.max_lag), self.max_lag
 
