@@ -34,7 +34,11 @@ def track(withheld: str) -> xr.Dataset:
             "covariance": (("instant", "term", "term_2"), covariance * (np.nan if withheld else 1)),
             "withheld": withheld,
         },
-        coords={"time": np.arange(101.0), "instant": [0.0, 50.0, 100.0]},
+        coords={
+            "time": np.arange(101.0),
+            "instant": [0.0, 50.0, 100.0],
+            "term": list(map(str, MODEL.terms)),
+        },
     )
 
 
@@ -62,3 +66,18 @@ def test_a_band_that_is_withheld_leaves_what_the_structure_lacks():
     assert (bare.band.phase > np.radians(10.0)).all()
     assert (wide.band.gain > bare.band.gain).all()
     assert (wide.H2_band.gain > 0.0).all()
+
+
+@pytest.mark.parametrize("withheld", ["", "too few windows"])
+def test_a_track_is_the_same_as_it_is_made_and_as_it_is_stored(withheld):
+    stored = track(withheld)
+    made = stored.drop_vars("withheld").assign_attrs(withheld=withheld)
+    unknown = LACKING.drop_vars(["model_error_gain", "model_error_phase"])
+    pairs = (
+        modelled_stretches(MODEL, each, responses, STRETCHES, LINES, 1.0)
+        for each, responses in ((stored, LACKING * np.nan), (made, unknown))
+    )
+    for one, other in zip(*pairs, strict=True):
+        np.testing.assert_array_equal(one.H1, other.H1)
+        np.testing.assert_array_equal(one.band.gain, other.band.gain)
+        np.testing.assert_array_equal(one.H2_band.phase, other.H2_band.phase)

@@ -154,7 +154,9 @@ def linearise_over_time(
             covariance=covariance,
             level=level,
         )
-        for time, theta, covariance, rest in zip(*instants, rests, strict=True)
+        for time, theta, covariance, rest in zip(
+            instants.time, instants.theta, instants.covariance, rests, strict=True
+        )
         if np.isfinite(rest)
     }
     if not found:

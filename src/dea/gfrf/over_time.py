@@ -13,7 +13,7 @@ from dea.arrays import Array
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import InputSpectrum
-from dea.gfrf.instants import Instants
+from dea.gfrf.instants import Instants, said_of
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
@@ -92,8 +92,8 @@ def response_over_time(
         With the terms of the track: :func:`dea.tracking.with_constant` of the model tracked.
     track
         Of :func:`dea.track_parameters`: ``parameter(time, term)``, ``covariance(instant, term,
-        term_2)`` and the attributes ``estimator`` and ``withheld``. Responses are taken at those of
-        its instants that are nearest to the times of the grid.
+        term_2)``, ``estimator`` and ``withheld``; or one tracker of ``track.nc``. Responses are
+        taken at those of its instants that are nearest to the times of the grid.
     u, sampling_rate
         The excitation the parameters were tracked with, in physical units, and its rate in Hz.
     y
@@ -161,7 +161,7 @@ def response_over_time(
         | _together("pair", [spectra[i - 1].of_pair(spectra[j - 1]) for i, j in pairs]),
         coords=_of_inputs(model, pairs)
         | _coordinates(frequencies, rows.time[at], rows.time[at_plane], track["instant"].attrs),
-        attrs={name: track.attrs[name] for name in ("estimator", "withheld")},
+        attrs={name: said_of(track, name) for name in ("estimator", "withheld")},
     )
 
 
@@ -171,7 +171,7 @@ class _Rows:
     def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
         self._model, self._rate = model, sampling_rate
         self._end = float(track["time"].values[-1])
-        self.time, self.theta, self._covariance = Instants.of(track, model)
+        self.time, self.theta, self._covariance, _ = Instants.of(track, model)
 
     def spread(self, count: int) -> Rows:
         """Return ``count`` rows, evenly spread; every one of fewer."""

@@ -7,6 +7,7 @@ import xarray as xr
 
 from dea.arrays import Array
 from dea.gfrf.bands import ResponseBand, frequency_response_band
+from dea.gfrf.instants import Instants
 from dea.narx import NarxModel
 from dea.nonparametric import Modelled, Periods, RelativeBand
 
@@ -26,10 +27,11 @@ def modelled_stretches(
     model
         With a constant, as it was tracked.
     track
-        ``track.nc`` of one tracker. Where it withholds the covariance, the bands have no width, so
-        that those of the measurement decide.
+        Of :func:`dea.track_parameters`, or one tracker of ``track.nc``. Where it withholds the
+        covariance, the bands have no width, so that those of the measurement decide.
     responses
-        ``gfrf.nc`` of the track, which says what the structure lacks.
+        Of :func:`dea.gfrf.response_over_time`, or ``gfrf.nc``. What the structure lacks is in the
+        bands where it was made with the outputs.
     stretches
         Of the probed record.
     frequencies
@@ -39,30 +41,32 @@ def modelled_stretches(
         In Hz.
     """
     pairs = np.concatenate([-frequencies[::-1], frequencies])
-    lacking = [
+    gain, phase = (
         np.interp(frequencies, responses["frequency"].values, np.nan_to_num(responses[name].values))
+        if name in responses
+        else np.zeros(frequencies.size)
         for name in ("model_error_gain", "model_error_phase")
-    ]
-    withheld = str(track["withheld"].values)
+    )
+    _, theta, covariance, withheld = instants = Instants.of(track, model)
+    if withheld:
+        covariance = np.zeros_like(covariance)
     found = []
-    for stretch in stretches:
-        now = track.sel(instant=stretch.time, method="nearest")
-        theta = now["parameter"].sel(time=now["instant"], method="nearest").values.astype(float)
-        covariance = now["covariance"].values
+    nearest = instants.nearest([stretch.time for stretch in stretches])
+    for at, stretch in zip(nearest, stretches, strict=True):
         first, second = (
             frequency_response_band(
                 model,
                 order,
-                at,
+                where,
                 sampling_rate,
-                parameters=theta,
-                covariance=np.zeros_like(covariance) if withheld else covariance,
+                parameters=theta[at],
+                covariance=covariance[at],
                 operating_point=float(stretch.u.mean()),
                 allow_missing=True,
             )
-            for order, at in ((1, frequencies), (2, (pairs[:, None], pairs[None, :])))
+            for order, where in ((1, frequencies), (2, (pairs[:, None], pairs[None, :])))
         )
-        first = first.widened(lacking[0], np.radians(lacking[1]))
+        first = first.widened(gain, np.radians(phase))
         found.append(Modelled(first.response, _band(first), second.response, _band(second)))
     return found
 

@@ -29,7 +29,6 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
             remedy=f"Choose {' or '.join(tracked['tracker'].values)}, or add it to the trackers",
         )
     of_tracker = tracked.sel(tracker=chosen["tracker"])
-    of_tracker.attrs = {name: str(of_tracker[name].values) for name in ("estimator", "withheld")}
     options = {name: value for name, value in chosen.items() if name != "tracker"}
     of_grid = {each.name for each in fields(Grid)} & options.keys()
     result = response_over_time(
