@@ -10,7 +10,17 @@ from matplotlib.figure import Figure
 
 import dea
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling, estimate, held_out_error, lag_choices, refine
+from dea.narx import (
+    NarxModel,
+    Scaling,
+    compare_orders,
+    estimate,
+    held_out_error,
+    inclusion_frequency,
+    lag_choices,
+    linear_model,
+    refine,
+)
 from dea.narx.labels import Labels
 from dea.terms import Term
 
@@ -296,3 +306,17 @@ def test_an_output_that_is_passed_whole_may_lack_samples_after_the_first_ones(fo
     np.testing.assert_array_equal(found.simulate(u, holes), found.simulate(u, y))
     with pytest.raises(InputError, match="y_initial: 1 of 2 samples are not numbers"):
         found.simulate(u, np.where(np.arange(y.size) == 1, np.nan, y))
+
+
+def test_orders_and_inclusion_take_the_record():
+    whole, (u, y) = record(), made()
+    assert linear_model(whole, None, 2).labels.y_units == "mm"
+    orders = {"dynamic": 2, "polynomial": 1, "lags": 1}
+    found = compare_orders(whole, None, u, y, **orders)
+    assert found.equals(compare_orders(u, y, u, y, **orders))
+    settings = {"resamples": 1, "blocks": 2, "y_lags": 1, "u_lags": 1, "degree": 1}
+    shares = [
+        inclusion_frequency(("y(t-1)", "u(t-1)"), *given, rng=np.random.default_rng(0), **settings)
+        for given in ((whole,), (u, y))
+    ]
+    np.testing.assert_array_equal(*shares)

@@ -1,6 +1,6 @@
 """Inclusion frequency of each selected term: how often selection on resampled records finds it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,15 +8,16 @@ import numpy as np
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx.estimation import as_segments, scaling_of
-from dea.narx.labels import Signals
+from dea.narx.labels import Signals, unpacked
 from dea.narx.selection import search_terms
-from dea.terms import Term, as_terms
+from dea.store import Record
+from dea.terms import Term, as_terms, max_lag
 
 
 def inclusion_frequency(
     terms: Iterable[Term | str],
-    u: Signals,
-    y: Signals,
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None = None,
     *,
     rng: np.random.Generator,
     resamples: int = 20,
@@ -58,7 +59,9 @@ def inclusion_frequency(
     for field, given, least in (("resamples", resamples, 1), ("blocks", blocks, 2)):
         if given < least:
             raise InputError(f"is {given}", field=field, remedy=f"Use {least} at least.")
-    sought, records = as_terms(terms), as_segments(u, y)
+    sought = as_terms(terms)
+    inputs, outputs, _ = unpacked(u, y, max_lag(sought), len(sought))
+    records = as_segments(inputs, outputs)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection
     total = sum(other.size for _, other in records)

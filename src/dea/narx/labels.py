@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.inputs import input_count
 from dea.missing import stretches
 from dea.narx.checks import as_pair
 from dea.store import Record, Text, each_text, input_names, real_numbers
@@ -279,3 +280,9 @@ def listed(signals: Signals) -> list[ArrayLike]:
     if isinstance(signals, list | tuple) and signals and np.ndim(signals[0]) > 0:
         return list(signals)
     return [signals]  # type: ignore[list-item]
+
+
+def inputs_in(u: Signals | Record | Sequence[Record]) -> int:
+    """Return how many inputs one or several records have, by the first."""
+    records = records_in(u)
+    return input_count(records[0].u if records else listed(cast(Signals, u))[0])

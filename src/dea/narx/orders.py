@@ -1,6 +1,6 @@
 """Choice of orders: how the error on independent data falls with dynamic and polynomial order."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,30 +8,31 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
-from dea.inputs import input_count
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
 from dea.narx.estimation import estimate
-from dea.narx.labels import Signals, listed
+from dea.narx.labels import Signals, inputs_in
 from dea.narx.metrics import fpe, nmse
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
-from dea.store import variable
+from dea.store import Record, variable
 from dea.units import power
 
 
-def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
+def linear_model(
+    u: Signals | Record | Sequence[Record], y: Signals | None, order: int
+) -> NarxModel:
     """Return the linear model with a constant and ``order`` lags of output and input.
 
     Its parameters are the least-squares estimate (4), as published.
     """
-    return estimate(linear_terms(order, order, input_count(listed(u)[0])), u, y)
+    return estimate(linear_terms(order, order, inputs_in(u)), u, y)
 
 
 def compare_orders(
-    u: Signals,
-    y: Signals,
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None,
     u_test: ArrayLike,
     y_test: ArrayLike,
     *,
@@ -46,7 +47,8 @@ def compare_orders(
     Parameters
     ----------
     u, y
-        Records to identify from, as for :func:`dea.narx.select_terms`.
+        Records to identify from, as for :func:`dea.narx.select_terms`; beside a
+        :class:`dea.Record`, ``y`` is None.
     u_test, y_test
         Independent record on which every model is simulated freely from its first outputs;
         missing outputs (NaN) are not scored.

@@ -2,13 +2,12 @@
 
 import warnings
 from collections.abc import Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dea.arrays import Segment
 from dea.errors import InputError
-from dea.inputs import input_count
 from dea.narx.candidate_models import CandidateModels
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
 from dea.narx.descent import Descent
@@ -21,7 +20,7 @@ from dea.narx.estimation import (
 )
 from dea.narx.forward import forward_and_prune
 from dea.narx.free_run_fit import FreeRunFit
-from dea.narx.labels import Labels, Signals, listed, records_in, unpacked
+from dea.narx.labels import Labels, Signals, inputs_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
 from dea.narx.scaling import Scaling
@@ -125,7 +124,7 @@ def search_terms(
 ) -> Searched:
     """Search as :func:`select_terms` does, which makes and assesses a model of what is found."""
     _check_search(search, Refined, Forward, Orthogonal)
-    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs_in(u))
     lag, linear = max_lag(candidates), _linear(candidates)
     inputs, outputs, labels = unpacked(u, y, lag, linear)
     records = as_segments(inputs, outputs, lag, linear)
@@ -179,7 +178,7 @@ def select_common_terms(
             remedy="Give a list, with a record or a pair of signals of each system.",
         )
     pairs = [(each, None) if isinstance(each, Record) else each for each in records]
-    inputs = _inputs_in(pairs[0][0])
+    inputs = inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
     lag, linear = max_lag(candidates), _linear(candidates)
     known = [unpacked(u, y, lag, linear) for u, y in pairs]
@@ -257,12 +256,6 @@ def _candidates(
             if all(power % 2 == 0 for power in term.input_powers.values())
         )
     return candidates
-
-
-def _inputs_in(u: Signals | Record | Sequence[Record]) -> int:
-    """Return how many inputs one or several records have, by the first."""
-    records = records_in(u)
-    return input_count(records[0].u if records else listed(cast(Signals, u))[0])
 
 
 def _linear(candidates: Sequence[Term]) -> int:
