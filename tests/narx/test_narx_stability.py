@@ -246,3 +246,15 @@ def test_random_inputs_are_like_the_whole_of_a_long_record():
     for driven, measured in ((u, y), (u[::-1], y[::-1])):
         kept, tried = model.stability(driven, measured).runs
         assert kept < tried
+
+
+def test_inputs_are_stored_for_one_period_of_what_they_repeat():
+    terms, parameters = RUNAWAY.terms, RUNAWAY.parameters
+    test = StabilityTest([(inputs(700), inputs(700))])
+    assert (test.holds.shape, test.random.shape) == ((1, 1, 20), (1, 700, 120))
+    for stored, copies in ((test.holds, 5000), (test.random, 8)):
+        whole = np.concatenate([stored] * copies, axis=1)
+        given = {"bound": 3.0, "start": 0.1}
+        kept = bounded(terms, parameters, stored, samples=whole.shape[1], **given)
+        assert kept.tolist() == bounded(terms, parameters, whole, **given).tolist()
+        assert set(kept) == {True, False}

@@ -90,18 +90,20 @@ def bounded(
     structure: Structure,
     parameters: Array,
     u: Array,
+    samples: int,
     first: float,
     bound: float,
     every: bool,
 ) -> NDArray[np.bool_]:
     """Whether each of several runs keeps within the bound about its first output, shape (runs,).
 
-    ``u`` has the shape (inputs, samples, runs). Where ``every`` run has to keep within it, the
-    first that does not ends all. The runs go on side by side, since each sample of a run waits for
-    the one before; a run that has left the bound goes on from there and does not count as kept.
+    ``u`` has the shape (inputs, period, runs) and is repeated over all ``samples``. Where ``every``
+    run has to keep within the bound, the first that does not ends all. The runs go on side by side,
+    since each sample of a run waits for the one before; a run that has left the bound goes on from
+    its first output and does not count as kept.
     """
     group, y_lags, u_lags, u_rows, start = structure
-    _, samples, runs = u.shape
+    _, period, runs = u.shape
     kept = np.ones(runs, dtype=np.bool_)
     depth = start + 1
     past = np.full((depth, runs), first)
@@ -115,7 +117,7 @@ def bounded(
             for factor in range(u_lags.shape[1]):
                 if u_lags[j, factor] == NONE:
                     break
-                values = u[u_rows[j, factor], t - u_lags[j, factor]]
+                values = u[u_rows[j, factor], (t - u_lags[j, factor]) % period]
                 for i in range(runs):
                     product[i] *= values[i]
             for i in range(runs):

@@ -87,23 +87,27 @@ def bounded(
     every: bool = False,
     *,
     start: float = 0.0,
+    samples: int | None = None,
 ) -> NDArray[np.bool_]:
     """Say of each of several runs whether it keeps within ``bound`` about ``start``, (runs,).
 
     Parameters
     ----------
     u
-        Inputs, shape (inputs, samples, runs).
+        Inputs, shape (inputs, period, runs).
     every
         Whether all have to: the first that does not then ends all, and none counts.
     start
         The output before all runs.
+    samples
+        Of a run, over which inputs are repeated; by default one period.
 
     Other parameters are those of :func:`simulate`.
     """
     shape, numbered = _described(terms)
     check_inputs(numbered, u[:, :, 0].T)
-    return kernels.bounded(shape, parameters, u, start, bound, every)
+    length = u.shape[1] if samples is None else samples
+    return kernels.bounded(shape, parameters, u, length, start, bound, every)
 
 
 def simulate_varying(

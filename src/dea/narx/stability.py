@@ -175,16 +175,13 @@ class StabilityTest:
 
     def __init__(self, segments: Sequence[tuple[Array, Array]]) -> None:
         u = np.concatenate([u for u, _ in segments])
-        length = max(len(u), _SHORTEST)
-        copies = -(-_SHORTEST // min(len(u), _LONGEST))
         self.samples = len(u)
         self.lines = _lines(u, _LEVELS)
-        self.holds = _side_by_side(
-            np.broadcast_to(level, (length, *u.shape[1:]))
-            for line in _lines(u, _HOLDS)
-            for level in line
-        )
-        self.random = _random_inputs(u.tobytes("F"), u.shape, copies)
+        self.holds = _side_by_side(level[None] for line in _lines(u, _HOLDS) for level in line)
+        self.random = _random_inputs(u.tobytes("F"), u.shape)
+        self._held = max(len(u), _SHORTEST)
+        period = self.random.shape[1]
+        self._ran = period * -(-_SHORTEST // period)
         # The level of the record is zero only where the scaling is its own.
         self._start, largest = MeasuredRange.of(segments)
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
@@ -201,14 +198,24 @@ class StabilityTest:
 
         With ``every``, the first that does not ends the test, and all count as unbounded.
         """
-        return bounded(terms, parameters, self.holds, self._bound, every, start=self._start)
+        return bounded(
+            terms, parameters, self.holds, self._bound, every, start=self._start, samples=self._held
+        )
 
     def ran(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
         """Say likewise of each random input whether the run stays in the range of the outputs.
 
         First come those with the values of the record, then the phase-randomised ones.
         """
-        return bounded(terms, parameters, self.random, self._within, every, start=self._start)
+        return bounded(
+            terms,
+            parameters,
+            self.random,
+            self._within,
+            every,
+            start=self._start,
+            samples=self._ran,
+        )
 
     def passes(self, terms: tuple[Term, ...], parameters: Array) -> bool:
         """Whether the model is stable on all of them; ends at the first failure."""
@@ -270,13 +277,13 @@ def _diagonals(inputs: int) -> Bools:
 
 # A choice of orders selects from one record again and again.
 @lru_cache(maxsize=1)
-def _random_inputs(content: bytes, shape: tuple[int, ...], copies: int) -> Array:
+def _random_inputs(content: bytes, shape: tuple[int, ...]) -> Array:
     """Return inputs like the one with this content, of the record's values and phase-randomised."""
     u = np.frombuffer(content).reshape(shape, order="F")
     rng = np.random.default_rng(0)  # every model of a record meets the same inputs
     runs = [same_class(u[part], rng) for part in _stretches(len(u), _RUNS)]
     surrogates = [phase_randomised(u[part], rng) for part in _stretches(len(u), _SURROGATES)]
-    return _side_by_side(_repeated(each, copies) for each in (*runs, *surrogates))
+    return _side_by_side([*runs, *surrogates])
 
 
 def _stretches(samples: int, count: int) -> list[slice]:
@@ -284,11 +291,6 @@ def _stretches(samples: int, count: int) -> list[slice]:
     length = min(samples, _LONGEST)
     begins = np.linspace(0, samples - length, count).astype(int)
     return [slice(begin, begin + length) for begin in begins.tolist()]
-
-
-def _repeated(u: Array, copies: int) -> Array:
-    """Return the input ``copies`` times over."""
-    return np.concatenate([u] * copies)
 
 
 def _side_by_side(inputs: Iterable[Array]) -> Array:
