@@ -250,6 +250,23 @@ def test_no_model_exceeds_the_most_terms_asked_for():
             search(max_terms=0)
 
 
+@pytest.mark.parametrize(
+    ("search", "setting"),
+    [
+        (Orthogonal, {"max_terms": 2.5}),
+        (Refined, {"rounds": 2.5}),
+        (Refined, {"rounds": -1}),
+        (Refined, {"threshold": "a"}),
+        (Forward, {"add_threshold": np.nan}),
+        (Forward, {"prune_threshold": None}),
+    ],
+)
+def test_settings_that_are_no_numbers_of_their_kind_are_refused(search, setting):
+    [(name, value)] = setting.items()
+    with pytest.raises(InputError, match=f"{name}: it is {value!r}"):
+        search(**setting)
+
+
 def test_a_selected_model_is_stored_with_its_trace(tmp_path):
     _, u, y = record(SMALL, 400, noise=0.05)
     found = select_terms(u, y, y_lags=1, u_lags=2, degree=2)

@@ -1,6 +1,9 @@
 """How a selection searches: three ways, each with its settings."""
 
 from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
 
 from dea.errors import InputError
 
@@ -25,8 +28,11 @@ class Refined:
     max_terms: int | None = None
 
     def __post_init__(self) -> None:
-        _at_least_one(self.max_terms)
-        _not_negative("threshold", self.threshold or 0.0)
+        _whole("rounds", self.rounds, 0)
+        if self.max_terms is not None:
+            _whole("max_terms", self.max_terms, 1)
+        if self.threshold is not None:
+            _not_negative("threshold", self.threshold)
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,8 @@ class Forward:
     max_terms: int | None = None
 
     def __post_init__(self) -> None:
-        _at_least_one(self.max_terms)
+        if self.max_terms is not None:
+            _whole("max_terms", self.max_terms, 1)
         _not_negative("add_threshold", self.add_threshold)
         _not_negative("prune_threshold", self.prune_threshold)
 
@@ -67,7 +74,8 @@ class Orthogonal:
     max_terms: int | None = 25
 
     def __post_init__(self) -> None:
-        _at_least_one(self.max_terms)
+        if self.max_terms is not None:
+            _whole("max_terms", self.max_terms, 1)
 
 
 Search = Refined | Forward | Orthogonal
@@ -78,11 +86,13 @@ SEARCHES: dict[str, type[Search]] = {
 }
 
 
-def _at_least_one(max_terms: int | None) -> None:
-    if max_terms is not None and max_terms < 1:
-        raise InputError(f"it is {max_terms}", field="max_terms", remedy="Allow at least one term.")
+def _whole(name: str, count: int, least: int) -> None:
+    if not isinstance(count, int | np.integer) or count < least:
+        raise InputError(
+            f"it is {count!r}", field=name, remedy=f"Give a whole number, {least} or more."
+        )
 
 
 def _not_negative(name: str, threshold: float) -> None:
-    if not threshold >= 0.0:
-        raise InputError(f"it is {threshold}", field=name, remedy="A share is 0 or more.")
+    if not isinstance(threshold, Real) or not threshold >= 0.0:
+        raise InputError(f"it is {threshold!r}", field=name, remedy="A share is 0 or more.")
