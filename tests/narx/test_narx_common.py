@@ -78,3 +78,10 @@ def test_systems_of_unequal_short_records_share_a_structure():
     found = select_common_terms([(u, plant.simulate(u)) for u in inputs])
     assert found[0].terms == found[1].terms
     assert set(plant.terms) <= set(found[0].terms)
+
+
+def test_one_pair_in_place_of_a_list_of_pairs_is_refused():
+    rng = np.random.default_rng(4)
+    u = rng.uniform(-1.0, 1.0, 100)
+    with pytest.raises(InputError, match=r"records: system 1 is ndarray\. Give a list"):
+        select_common_terms((u, 0.5 * u))

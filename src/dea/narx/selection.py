@@ -177,7 +177,7 @@ def select_common_terms(
             field="records",
             remedy="Give a list, with a record or a pair of signals of each system.",
         )
-    pairs = [(each, None) if isinstance(each, Record) else each for each in records]
+    pairs = [_pair(each, number) for number, each in enumerate(records, start=1)]
     inputs = inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
     lag, linear = max_lag(candidates), _linear(candidates)
@@ -191,6 +191,19 @@ def select_common_terms(
         _model(found.terms, fit, scale, labels, test, trace)
         for fit, scale, test, (_, _, labels) in zip(found.fits, scales, tests, known, strict=True)
     ]
+
+
+def _pair(system: Any, number: int) -> tuple[Any, Any]:
+    """Return input and output of a system, or its record and None."""
+    if isinstance(system, Record):
+        return system, None
+    if not isinstance(system, list | tuple) or len(system) != 2:
+        raise InputError(
+            f"system {number} is {type(system).__name__}",
+            field="records",
+            remedy="Give a list, with a record or a pair of signals of each system.",
+        )
+    return system[0], system[1]
 
 
 def _check_search(search: Any, *known: type) -> None:
