@@ -6,7 +6,7 @@ from hypothesis import given
 from narx_strategies import models
 
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling
+from dea.narx import NarxModel, Scaling, estimate, select_terms
 from dea.terms import Term
 
 SCALING = Scaling(u_offset=2.4, u_scale=0.7, y_offset=1.5, y_scale=0.3)
@@ -120,3 +120,17 @@ def test_bad_signals_are_refused():
         model.predict([1.0, 2.0], [1.0])
     with pytest.raises(InputError, match="u_scale"):
         Scaling(u_scale=0.0)
+
+
+def test_what_is_no_scaling_is_refused():
+    u = np.random.default_rng(0).uniform(-1.0, 1.0, 100)
+    wrong, told = {"u_scale": 2.0}, r"scaling: it is dict\. Give a dea\.narx\.Scaling"
+    for make in (
+        lambda: NarxModel((Term((1,)),), [0.5], wrong),
+        lambda: estimate(("u(t)",), u, 2.0 * u, scaling=wrong),
+        lambda: select_terms(u, 2.0 * u, scaling=wrong),
+    ):
+        with pytest.raises(InputError, match=told):
+            make()
+    with pytest.raises(InputError, match="scaling: it holds gain"):
+        NarxModel.from_dict({"terms": {"y(t-1)": 0.5}, "scaling": {"gain": 2.0}})

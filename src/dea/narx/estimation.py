@@ -15,7 +15,7 @@ from dea.narx.labels import Signals, listed, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
-from dea.narx.scaling import Scaling
+from dea.narx.scaling import Scaling, require_scaling
 from dea.store import Record
 from dea.terms import Term, as_terms, max_lag
 
@@ -74,6 +74,7 @@ def estimate(
     inputs, outputs, labels = unpacked(u, y, lag, len(chosen))
     records = as_segments(inputs, outputs, lag, len(chosen))
     scale = scaling_of(records) if scaling is None else scaling
+    require_scaling(scale)
     found = least_squares(chosen, normalised(records, scale))
     return NarxModel(
         chosen,

@@ -20,7 +20,7 @@ from dea.narx.metrics import nmse
 from dea.narx.model_dataset import model_dataset
 from dea.narx.model_text import equation_text
 from dea.narx.prediction import predicted
-from dea.narx.scaling import OneInput, Scaling
+from dea.narx.scaling import OneInput, Scaling, require_scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, StabilityTest, assess
 from dea.store import Record, Text, input_names
@@ -73,6 +73,7 @@ class NarxModel:
                 field="terms",
                 remedy="Name each monomial once; y(t-1)u(t-2) and u(t-2)y(t-1) are the same.",
             )
+        require_scaling(self.scaling)
         named, scaled = numbered_inputs(self.terms), self.scaling.inputs
         if named is not None and scaled is not None and not 0 < named <= scaled:
             raise InputError(
@@ -335,12 +336,18 @@ class NarxModel:
         Raises
         ------
         InputError
-            If there are no terms, or one is none.
+            If there are no terms, or one is none; if the scaling holds something unknown.
         """
         if "terms" not in content:
             raise InputError("there is none", field="terms", remedy="Give what to_dict returned.")
-        scaling = Scaling(**content.get("scaling", {}))
-        model = cls.from_terms(content["terms"], scaling=scaling)
+        scaling, known = content.get("scaling", {}), [item.name for item in fields(Scaling)]
+        if unknown := set(scaling) - set(known):
+            raise InputError(
+                f"it holds {', '.join(sorted(map(str, unknown)))}",
+                field="scaling",
+                remedy=f"It has {', '.join(known)}",
+            )
+        model = cls.from_terms(content["terms"], scaling=Scaling(**scaling))
         return replace(model, labels=Labels.from_attributes(content.get("labels", {})))
 
     def save(

@@ -1,7 +1,7 @@
 """From physical units to those of a model's equation and back."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -108,3 +108,13 @@ class Scaling:
     def restore_output(self, y: Array) -> Array:
         """Return the equation's output in physical units."""
         return y * self.y_scale + self.y_offset
+
+
+def require_scaling(scaling: Any) -> None:
+    """Refuse what is given as a scaling and is none."""
+    if not isinstance(scaling, Scaling):
+        raise InputError(
+            f"it is {type(scaling).__name__}",
+            field="scaling",
+            remedy="Give a dea.narx.Scaling, as Scaling(u_offset=0.5, u_scale=2.0)",
+        )

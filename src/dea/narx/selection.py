@@ -23,7 +23,7 @@ from dea.narx.free_run_fit import FreeRunFit
 from dea.narx.labels import Labels, Signals, inputs_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
-from dea.narx.scaling import Scaling
+from dea.narx.scaling import Scaling, require_scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import StabilityTest, UnstableModel, assess
 from dea.narx.trace import Trace
@@ -129,6 +129,7 @@ def search_terms(
     inputs, outputs, labels = unpacked(u, y, lag, linear)
     records = as_segments(inputs, outputs, lag, linear)
     scale = scaling_of(records, not even_in_input) if scaling is None else scaling
+    require_scaling(scale)
     segments, trace = normalised(records, scale), Trace()
     test = StabilityTest(segments)
     if isinstance(search, Forward | Orthogonal):
