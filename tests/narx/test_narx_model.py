@@ -122,11 +122,18 @@ def test_bad_signals_are_refused():
         Scaling(u_scale=0.0)
 
 
+def test_a_model_takes_terms_as_people_write_them():
+    model = NarxModel(("y(t-1)", "u(t-2)"), [0.5, 0.3])
+    assert model.terms == NarxModel.from_terms({"y(t-1)": 0.5, "u(t-2)": 0.3}).terms
+    with pytest.raises(InputError, match="term"):
+        NarxModel(("z(t-1)",), [0.5])
+
+
 def test_what_is_no_scaling_is_refused():
     u = np.random.default_rng(0).uniform(-1.0, 1.0, 100)
     wrong, told = {"u_scale": 2.0}, r"scaling: it is dict\. Give a dea\.narx\.Scaling"
     for make in (
-        lambda: NarxModel((Term((1,)),), [0.5], wrong),
+        lambda: NarxModel(("y(t-1)",), [0.5], wrong),
         lambda: estimate(("u(t)",), u, 2.0 * u, scaling=wrong),
         lambda: select_terms(u, 2.0 * u, scaling=wrong),
     ):

@@ -24,7 +24,7 @@ from dea.narx.scaling import OneInput, Scaling, require_scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, StabilityTest, assess
 from dea.store import Record, Text, input_names
-from dea.terms import Term, max_lag, numbered_inputs
+from dea.terms import Term, as_terms, max_lag, numbered_inputs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,8 @@ class NarxModel:
     Parameters
     ----------
     terms, parameters
-        Monomials, each once, and their coefficients, shape (terms,).
+        Monomials, or text such as ``y(t-1)u(t-3)^2``, each once, and their coefficients, shape
+        (terms,).
     scaling
         From physical units to those of the equation and back.
     covariance
@@ -65,7 +66,7 @@ class NarxModel:
     labels: Labels = field(default_factory=Labels)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "terms", tuple(self.terms))
+        object.__setattr__(self, "terms", as_terms(self.terms))
         object.__setattr__(self, "parameters", as_signal(self.parameters, "parameters"))
         if not self.terms or len(set(self.terms)) < len(self.terms):
             raise InputError(
@@ -107,7 +108,7 @@ class NarxModel:
                 remedy='Give each its parameter, as {"y(t-1)": 0.9, "u(t-1)": 0.1}',
             )
         return NarxModel(
-            tuple(Term.parse(text) for text in terms),
+            as_terms(terms),
             as_signal(list(terms.values()), "parameters"),
             scaling or Scaling(),
         )
