@@ -141,3 +141,10 @@ def test_what_is_no_scaling_is_refused():
             make()
     with pytest.raises(InputError, match="scaling: it holds gain"):
         NarxModel.from_dict({"terms": {"y(t-1)": 0.5}, "scaling": {"gain": 2.0}})
+
+
+@pytest.mark.parametrize("steps", ["2", 0, 1.5, None])
+def test_a_prediction_is_a_whole_number_of_samples_ahead(steps):
+    model = NarxModel.from_terms(LINEAR)
+    with pytest.raises(InputError, match=f"steps: it is {steps!r}"):
+        model.predict(np.ones(9), np.ones(9), steps=steps)

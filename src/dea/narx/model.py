@@ -215,6 +215,10 @@ class NarxModel:
             Predicted output in physical units, shape (samples,); its first ``max_lag + steps - 1``
             samples, whose past is unknown, are the measured ones.
         """
+        if not isinstance(steps, int | np.integer) or steps < 1:
+            raise InputError(
+                f"it is {steps!r}", field="steps", remedy="Predict a whole number of samples ahead"
+            )
         inputs, outputs = pair(self.labels, u, y, self.max_lag + steps - 1)
         return predicted(self.terms, self.parameters, self.scaling, inputs, outputs, steps)
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.arrays import Array
-from dea.errors import InputError
 from dea.inputs import by_input
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
@@ -31,10 +30,6 @@ def predicted(
     ndarray
         In physical units, shape (samples,), the first ``max_lag + steps - 1`` as measured.
     """
-    if not isinstance(steps, int | np.integer) or steps < 1:
-        raise InputError(
-            f"it is {steps!r}", field="steps", remedy="Predict a whole number of samples ahead"
-        )
     lag = max_lag(terms)
     inputs, outputs = scaling.normalise_input(u), scaling.normalise_output(y)
     first = lag + steps - 1
