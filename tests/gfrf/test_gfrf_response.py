@@ -225,3 +225,20 @@ def test_an_operating_point_that_is_not_finite_is_refused(level):
     model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
     with pytest.raises(InputError, match=f"operating_point: it is {level}. Give a finite number"):
         frequency_response(model, 1, 1.0, 50.0, operating_point=level)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"frequencies": ["a"]}, "frequencies: it holds no numbers"),
+        ({"operating_point": "x"}, "operating_point: it holds no numbers"),
+        ({"parameters": ["a", "b"]}, "parameters: it holds no numbers"),
+        ({"sampling_rate": "50"}, "sampling_rate: it is '50'. Give a positive number in Hz"),
+        ({"sampling_rate": 0.0}, "sampling_rate: it is 0.0. Give a positive number in Hz"),
+    ],
+)
+def test_what_is_no_number_is_named(change, message):
+    model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
+    given = {"order": 1, "frequencies": 1.0, "sampling_rate": 50.0} | change
+    with pytest.raises(InputError, match=message.replace(".", r"\.")):
+        frequency_response(model, **given)

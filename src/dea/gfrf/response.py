@@ -14,6 +14,7 @@ from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
 from dea.narx import NarxModel, rate_of
+from dea.store import real_numbers
 from dea.terms import input_symbol, static_value
 
 Number = int | np.integer[Any]
@@ -205,8 +206,6 @@ def _radians(
             field="order",
             remedy="Give a whole number, 1 or more, before the frequencies",
         )
-    if not sampling_rate > 0.0:
-        raise InputError(f"it is {sampling_rate}", field="sampling_rate", remedy="It is positive")
     given = frequencies if isinstance(frequencies, tuple) else (frequencies,)
     if len(given) != order:
         raise InputError(
@@ -216,7 +215,7 @@ def _radians(
             if order == 1
             else f"Give a tuple of {order} arrays, one for each frequency of a product",
         )
-    arrays = [np.asarray(f, dtype=float) for f in given]
+    arrays = [real_numbers(f, "frequencies") for f in given]
     for f in arrays:
         if not np.isfinite(f).all():
             raise InputError(
@@ -246,7 +245,7 @@ def _parameter_sets(
     model: NarxModel, parameters: ArrayLike | None
 ) -> tuple[Array, tuple[int, ...]]:
     """Return the parameter sets as rows, and the shape that they were given in."""
-    theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
+    theta = real_numbers(model.parameters if parameters is None else parameters, "parameters")
     if theta.shape[-1:] != (len(model.terms),):
         raise InputError(
             f"their shape is {theta.shape}",
@@ -298,7 +297,7 @@ def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Ar
     """
     if operating_point is None:
         return np.zeros(model.inputs)
-    given = np.atleast_1d(np.asarray(operating_point, dtype=float))
+    given = np.atleast_1d(real_numbers(operating_point, "operating_point"))
     if given.shape != (model.inputs,):
         raise InputError(
             f"{given.size} numbers for {model.inputs} input{'s' if model.inputs > 1 else ''}",

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any, cast
 
 import numpy as np
@@ -138,9 +139,11 @@ def rate_of(labels: Labels, given: float | None) -> float:
 
 def check_rate(sampling_rate: float) -> None:
     """Refuse a sampling rate that is not a positive number."""
-    if not 0.0 < sampling_rate < np.inf:
+    if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
         raise InputError(
-            f"it is {sampling_rate:g} Hz", field="sampling_rate", remedy="It is positive."
+            f"it is {sampling_rate!r}",
+            field="sampling_rate",
+            remedy="Give a positive number in Hz.",
         )
 
 
