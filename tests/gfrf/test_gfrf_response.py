@@ -210,6 +210,7 @@ def test_wrong_requests_are_refused(options, field):
         (([1.0, 2.0],), r"order: it is \[1\.0, 2\.0\]\. Give a whole number, 1 or more, before"),
         ((1, [1.0, np.nan]), "frequencies: one is nan. Give finite numbers in Hz"),
         ((1, np.inf), "frequencies: one is inf. Give finite numbers in Hz"),
+        ((1,), "frequencies: there is none. Give an array, not a tuple, of the frequencies"),
         ((1, (1.0, 2.0)), "2 frequency arrays for order 1. Give an array, not a tuple"),
         ((2, [1.0, 2.0]), "1 frequency arrays for order 2. Give a tuple of 2 arrays"),
     ],

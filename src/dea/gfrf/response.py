@@ -209,7 +209,9 @@ def _radians(
     given = frequencies if isinstance(frequencies, tuple) else (frequencies,)
     if len(given) != order:
         raise InputError(
-            f"there are {len(given)} frequency arrays for order {order}",
+            f"there are {len(given)} frequency arrays for order {order}"
+            if given
+            else "there is none",
             field="frequencies",
             remedy="Give an array, not a tuple, of the frequencies"
             if order == 1
