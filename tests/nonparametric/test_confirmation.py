@@ -198,6 +198,12 @@ def test_a_band_around_a_response_has_its_half_widths():
     np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 
+@pytest.mark.parametrize("period", [np.nan, np.inf, 0.0, "x"])
+def test_a_period_that_is_no_positive_number_is_refused(record, period):
+    with pytest.raises(InputError, match=f"period: it is {period!r}"):
+        best_linear_approximation(record, period=period)
+
+
 def test_a_response_that_noise_hides_has_any_phase_and_no_negative_gain(record):
     noise = 10.0 * np.random.default_rng(1).standard_normal(2400)
     found = best_linear_approximation(record.assign(output=record.output + noise))

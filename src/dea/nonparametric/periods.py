@@ -1,5 +1,6 @@
 """Whole periods of the realisations of a periodic excitation, cut from a record."""
 
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -36,8 +37,9 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
     Raises
     ------
     InputError
-        If there is no such stretch, a realisation is interrupted, holds samples that are flagged or
-        not finite or no two whole periods, or a stretch has fewer than two realisations.
+        If the period is no positive number, there is no such stretch, a realisation is interrupted,
+        holds samples that are flagged or not finite or no two whole periods, or a stretch has fewer
+        than two realisations.
     """
     for name in ("probing", "realisation"):
         if name not in record:
@@ -47,6 +49,10 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
                 remedy="Number the samples of whole periods by stretch and realisation, from 1; 0"
                 " elsewhere.",
             )
+    if not (isinstance(period, Real) and 0.0 < float(period) < np.inf):
+        raise InputError(
+            f"it is {period!r}", field="period", remedy="Give the period of the excitation in s."
+        )
     whole = signals(record)
     length = round(period * whole.sampling_rate)
     if abs(length / whole.sampling_rate - period) > 1e-6 * period or length < 2:

@@ -104,7 +104,7 @@ def estimates(
             field="period",
             remedy="Give it in s, or as the record's attribute probing_period.",
         )
-    stretches = periods_of(content, float(length))
+    stretches = periods_of(content, length)
     found = [best_linear(stretch, drift, excited_above) for stretch in stretches]
     if any(not np.array_equal(each.lines, found[0].lines) for each in found):
         raise InputError(
