@@ -3,6 +3,7 @@ import warnings
 import numpy as np
 import pytest
 
+from dea.errors import InputError
 from dea.narx.metrics import fit, fpe, nmse, rmse
 
 Y = np.array([1.0, 2.0, 3.0, 4.0])
@@ -23,3 +24,9 @@ def test_a_diverged_run_has_an_infinite_error_without_a_warning():
         assert nmse(Y, run) == rmse(Y, run) == fpe(Y, run, 2) == np.inf
         assert fit(Y, run) == -np.inf
         assert fpe(Y, RUN, 4) == np.inf
+
+
+def test_errors_of_no_sample_are_refused():
+    for score in (nmse, fit, rmse, lambda y, run: fpe(y, run, 1)):
+        with pytest.raises(InputError, match="measured: there is no sample"):
+            score([], [])

@@ -22,9 +22,9 @@ def nmse(measured: ArrayLike, simulated: ArrayLike) -> float:
     Raises
     ------
     InputError
-        If the shapes differ, or a measured value is no finite number.
+        If the shapes differ, there is no sample, or a measured value is no finite number.
     """
-    y = as_signal(measured, "measured")
+    y = _measured(measured)
     error = _squared(y, simulated)
     total = float(np.sum((y - y.mean()) ** 2))
     return error / total if total > 0.0 else np.inf
@@ -44,7 +44,7 @@ def fpe(measured: ArrayLike, simulated: ArrayLike, terms: int) -> float:
     Infinite where the simulation diverges, or the model has as many terms as there are samples.
     Other parameters and errors are those of :func:`nmse`.
     """
-    y = as_signal(measured, "measured")
+    y = _measured(measured)
     share = terms / y.size
     return _squared(y, simulated) / y.size * (1.0 + share) / (1.0 - share) if share < 1 else np.inf
 
@@ -54,8 +54,15 @@ def rmse(measured: ArrayLike, simulated: ArrayLike) -> float:
 
     Parameters and errors are those of :func:`nmse`.
     """
-    y = as_signal(measured, "measured")
+    y = _measured(measured)
     return float(np.sqrt(_squared(y, simulated) / y.size))
+
+
+def _measured(values: ArrayLike) -> Array:
+    signal = as_signal(values, "measured")
+    if not signal.size:
+        raise InputError("there is no sample", field="measured", remedy="Give one at least.")
+    return signal
 
 
 def _squared(y: Array, simulated: ArrayLike) -> float:
