@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.errors import InputError
 from dea.narx.residuals import TESTS, band, correlation_tests, each_test
 
 
@@ -91,3 +92,10 @@ def test_the_product_of_two_inputs_has_a_test_of_its_own():
     assert found[2] == pytest.approx(lagged, rel=0.01)
     assert found[2] > 5 * band(2000)
     assert np.abs(found[[0, 1, 3, 4]]).max() < 2 * band(2000)
+
+
+@pytest.mark.parametrize("max_lag", [0, 10, 2.5, "3"])
+def test_a_lag_that_no_two_samples_are_apart_by_is_refused(max_lag):
+    e = np.random.default_rng(0).standard_normal(10)
+    with pytest.raises(InputError, match=f"max_lag: it is {max_lag!r} for 10 samples"):
+        correlation_tests(e, e, max_lag)

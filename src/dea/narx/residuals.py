@@ -13,6 +13,7 @@ import numpy as np
 
 from dea.arrays import Array
 from dea.confidence import DEVIATIONS
+from dea.errors import InputError
 from dea.inputs import by_input, input_count
 
 
@@ -54,13 +55,26 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
     ----------
     e, u
         Residual and input, shape (samples,); several inputs are the columns of ``u``.
+    max_lag
+        A whole number below that of the samples.
 
     Returns
     -------
     ndarray
         Shape (tests in the order of :func:`each_test`, max_lag). ``inf`` where the residual is,
         that is where the model diverged; 0 where a signal is constant.
+
+    Raises
+    ------
+    InputError
+        If the residual has no two samples that far apart.
     """
+    if not isinstance(max_lag, int | np.integer) or not 0 < max_lag < e.size:
+        raise InputError(
+            f"it is {max_lag!r} for {e.size} samples",
+            field="max_lag",
+            remedy="Give a whole number from 1 to below that of the samples.",
+        )
     tests = each_test(input_count(u))
     if not np.isfinite(e).all():
         return np.full((len(tests), max_lag), np.inf)
