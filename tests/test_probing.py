@@ -102,3 +102,19 @@ def test_what_does_not_fit_is_named(change, field):
     probing = Probing(**{**vars(PROBING), **change})
     with pytest.raises(InputError, match=field):
         probing.place(np.zeros(6000), RATE, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"realisations": 0}, "realisations"),
+        ({"periods": 1.5}, "periods"),
+        ({"lowest": 0.0}, "lowest"),
+        ({"lowest": 5.0, "highest": 4.0}, "lowest"),
+        ({"highest": np.inf}, "lowest"),
+    ],
+)
+def test_stretches_without_a_multisine_are_refused(change, field):
+    with pytest.raises(InputError) as caught:
+        Probing(**{**vars(PROBING), **change})
+    assert caught.value.field == f"excitation.probing.{field}"

@@ -54,6 +54,11 @@ class Probing:
         Multisines of other phases in a stretch, and whole periods of each.
     settle
         Time in s that a multisine plays before its whole periods.
+
+    Raises
+    ------
+    InputError
+        If there is no realisation, no period or no line.
     """
 
     times: Sequence[float]
@@ -65,6 +70,16 @@ class Probing:
     realisations: int = 4
     periods: int = 2
     settle: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("realisations", "periods"):
+            count = getattr(self, name)
+            if not isinstance(count, int | np.integer) or count < 1:
+                raise _refused(name, f"it is {count!r}, not a whole number of 1 or more")
+        if not 0.0 < self.lowest <= self.highest < np.inf:
+            raise _refused(
+                "lowest", f"{self.lowest:g} Hz is not above 0 and up to {self.highest:g}"
+            )
 
     def lines(self, seed: int) -> Numbers:
         """Return the excited lines, ascending: odd, at nearly equal ratios, with some left out."""
