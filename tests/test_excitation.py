@@ -187,3 +187,13 @@ def test_a_band_is_within_half_the_sampling_rate_and_positive_whoever_gives_it(k
     with pytest.raises(InputError) as caught:
         design(kind, duration=100.0, sampling_rate=rate, low=0.0, high=1.0, seed=1, **settings)
     assert caught.value.field == "band"
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [({"seed": None}, "seed"), ({"seed": 1.0}, "seed"), ({"duration": 1e308}, "duration")],
+)
+def test_what_leaves_no_sequence_is_named(change, field):
+    with pytest.raises(InputError) as caught:
+        design("gaussian", **STUDY | change)
+    assert caught.value.field == field

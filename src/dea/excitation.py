@@ -219,9 +219,9 @@ def design(
     for name, value in numbers.items():
         _require(_finite(value) and value >= 0.0, name, "is negative, or not a finite number")
     _require(_finite(low) and _finite(high) and low < high, "low", f"{low} is not below {high}")
+    _require(duration * sampling_rate <= MOST, "duration", f"holds more than {MOST:g} samples")
     samples = round(duration * sampling_rate)
     _require(samples >= 2, "duration", "holds fewer than two samples")
-    _require(samples <= MOST, "duration", f"holds more than {MOST:g} samples")
     if "band" in own:
         band = settings.get("band", own["band"])
         _require(band > 0.0, "band", "is not a positive number")

@@ -13,9 +13,11 @@ def generator(seed: int, *names: str) -> np.random.Generator:
     Raises
     ------
     InputError
-        If the seed is below 0.
+        If the seed is no whole number from 0 on.
     """
-    if seed < 0:
-        raise InputError(f"it is {seed}", field="seed", remedy="Give a whole number of at least 0.")
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError(
+            f"it is {seed!r}", field="seed", remedy="Give a whole number of at least 0."
+        )
     digest = hashlib.sha256("/".join(names).encode()).digest()
     return np.random.default_rng([seed, int.from_bytes(digest[:8], "big")])
