@@ -298,7 +298,7 @@ def test_selection_works_in_any_units():
         (np.sin(np.arange(9)), np.cos(np.arange(9)), "leave 6 equations"),
         (np.sin(np.arange(99)), np.sin(np.arange(98)), "sampled together"),
         (np.full(50, np.nan), np.sin(np.arange(50)), "not numbers"),
-        ([np.sin(np.arange(99))], [np.cos(np.arange(99))] * 2, "1 inputs for 2"),
+        ([np.sin(np.arange(99))], [np.cos(np.arange(99))] * 2, "records of u: 1, of y: 2"),
     ],
 )
 def test_unusable_records_are_refused(u, y, message):

@@ -197,9 +197,9 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
     inputs, outputs = listed(u), listed(y)
     if len(inputs) != len(outputs) or not inputs:
         raise InputError(
-            f"{len(inputs)} inputs for {len(outputs)} outputs",
+            f"records of u: {len(inputs)}, of y: {len(outputs)}",
             field="u",
-            remedy="Give as many records of the one as of the other.",
+            remedy="Give as many of the one as of the other; the columns of an array are inputs.",
         )
     for each in outputs:
         refuse_missing(each, "Give dea.Record.of(u, y, sampling_rate), of which they are left out")
