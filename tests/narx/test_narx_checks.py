@@ -234,6 +234,10 @@ def test_a_record_needs_an_equation_though_no_terms_are_counted():
     assert as_record(u, y, 3)[0].size == 4
     with pytest.raises(InputError, match="4 samples leave 0 equations after a lag of 4"):
         as_record(u, y, 4)
+    with pytest.raises(InputError, match="1 sample leaves 0 equations after a lag of 4"):
+        as_record(u[:1], y[:1], 4)
+    with pytest.raises(InputError, match="it has 1 sample and u has 4"):
+        as_record(u, y[:1])
 
 
 @pytest.mark.parametrize(

@@ -248,7 +248,7 @@ def test_records_beside_signals_and_a_record_in_place_of_a_list_are_refused():
 def test_missing_outputs_are_named_with_what_leaves_them_out():
     u, y = made()
     y[7] = np.nan
-    told = "y: 1 samples are missing, the first is sample 7. Give {}"
+    told = "y: 1 sample is missing, the first is sample 7. Give {}"
     with pytest.raises(InputError, match=told.format(r"dea\.Record\.of\(u, y, sampling_rate\)")):
         dea.select_terms(u, y)
     for given in ((u, y), (dea.Record.of(u, y, RATE),)):

@@ -40,12 +40,17 @@ def check_shape(values: Array, wanted: tuple[int, ...], field: str) -> None:
         raise InputError(f"its shape is {np.shape(values)}", field=field, remedy=f"Use {wanted}.")
 
 
+def _samples(count: int) -> str:
+    return "1 sample" if count == 1 else f"{count} samples"
+
+
 def refuse_missing(y: ArrayLike, remedy: str) -> None:
     """Refuse outputs of which samples are missing, where nothing can leave them out."""
     missing = np.flatnonzero(np.isnan(real_numbers(y, "y")))
     if missing.size:
         raise InputError(
-            f"{missing.size} samples are missing, the first is sample {missing[0]}",
+            f"{_samples(missing.size)} {'is' if missing.size == 1 else 'are'} missing, the first is"
+            f" sample {missing[0]}",
             field="y",
             remedy=remedy,
         )
@@ -130,12 +135,14 @@ def as_pair(
     samples = inputs.shape[0]
     if samples != outputs.size:
         raise InputError(
-            f"it has {outputs.size} samples and u has {samples}",
+            f"it has {_samples(outputs.size)} and u has {samples}",
             field="y",
             remedy="Input and output are sampled together.",
         )
     if samples - lag < max(terms, 1):
-        left = f"{samples} samples leave {max(samples - lag, 0)}"
+        left = (
+            f"{_samples(samples)} {'leaves' if samples == 1 else 'leave'} {max(samples - lag, 0)}"
+        )
         raise InputError(
             f"{left} equations after a lag of {lag}"
             + (f", for {terms} parameters" if terms else ""),
