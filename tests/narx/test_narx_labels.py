@@ -320,3 +320,14 @@ def test_orders_and_inclusion_take_the_record():
         for given in ((whole,), (u, y))
     ]
     np.testing.assert_array_equal(*shares)
+
+
+def test_units_and_names_survive_a_file_though_no_rate_is_known(tmp_path):
+    plain = dea.select_terms(*made(), y_lags=1, u_lags=2, degree=2)
+    plain.save(tmp_path / "model.nc", u_units="V", y_units="mm")
+    labels = NarxModel.load(tmp_path / "model.nc").labels
+    assert labels == Labels(u_units="V", y_units="mm")
+    one, _, y = frames()
+    named = dea.select_terms(one, y, y_lags=1, u_lags=1, degree=1)
+    named.save(tmp_path / "named.nc")
+    assert NarxModel.load(tmp_path / "named.nc").labels == named.labels

@@ -39,8 +39,8 @@ def model_dataset(model: "NarxModel", u_units: Text | None, y_units: str | None)
         coords={"term": variable("term", list(map(str, model.terms)), "1", "term")},
         attrs={"contract": "model", "equation": str(model), "withheld": model.withheld},
     )
-    if known.sampling_rate is not None:
-        dataset.attrs |= asdict(known) | {"u_units": u_units, "y_units": y_units}
+    labels = asdict(known) | {"u_units": u_units, "y_units": y_units}
+    dataset.attrs |= {name: value for name, value in labels.items() if value is not None}
     if model.covariance is not None:
         dataset["covariance"] = variable(
             ("term", "term_2"), model.covariance, "1", "covariance of the parameters"
