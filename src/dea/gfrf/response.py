@@ -63,8 +63,8 @@ def frequency_response(
     """Return the symmetric GFRF H_n of a polynomial NARX model around its rest.
 
     A small input of n tones, u = operating_point + sum_i A_i cos(w_i t), gives the output a line
-    at w_1 + ... + w_n of complex amplitude n! H_n prod_i A_i/2 (and H_1 A_1 for a single tone).
-    Of several inputs each tone is in one of them, and this is the symmetrised cross-kernel:
+    at w_1 + ... + w_n, of complex amplitude n! H_n prod_i A_i/2 in the two-sided spectrum. Of
+    several inputs each tone is in one of them, and this is the symmetrised cross-kernel:
     H_n^{ij}(f1, f2) = H_n^{ji}(f2, f1), and with one signal on all inputs the sum over all i and j
     is the response to it.
 
