@@ -164,8 +164,8 @@ class NarxModel:
             by the names that the model knows.
         y_initial
             The first ``max_lag`` outputs in physical units; more may be given, so that a measured
-            output can be passed whole. By default the run begins at rest at the operating point:
-            before the first sample input and output are at their offsets.
+            output can be passed whole. By default input and output are at their offsets before
+            the first sample, and what then settles is part of the run.
 
         Returns
         -------
