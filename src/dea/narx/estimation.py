@@ -163,9 +163,9 @@ def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> LeastSq
 def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling:
     """Centre each signal on its mean and scale it by its half-range over all records.
 
-    Half-ranges put the input within about -1 to 1, the interval on which the published models of
-    such actuators stay bounded. Without ``centre_input`` the input is only scaled. Several inputs
-    are scaled each by itself.
+    So the input is within about -1 to 1, the interval on which the published models of such
+    actuators stay bounded. Without ``centre_input`` it is only divided by its half-range, and lies
+    as far outside that interval as its mean is large. Several inputs are scaled each by itself.
 
     Raises
     ------
