@@ -57,8 +57,9 @@ def test_the_branch_is_followed_and_left_where_it_ends():
         {"1": 0.1, "y(t-1)": 1.0, "u(t-1)": 1.0},
         {"1": 0.5, "y(t-1)": -1.2, "u(t-1)": 1.0, "y(t-1)^3": 0.05},
         {"1": 1.0, "y(t-1)": 1.0, "y(t-1)^2": 0.5, "u(t-1)": 1.0},
+        {"1": 1.0, "y(t-1)": -1.0, "y(t-1)^2": 1.0, "u(t-1)": 1.0},
     ],
-    ids=["unstable", "integrator", "oscillating", "no-real-root"],
+    ids=["unstable", "integrator", "oscillating", "no-real-root", "double-root"],
 )
 def test_a_model_that_does_not_settle_is_refused(terms):
     model = NarxModel.from_terms(terms)

@@ -6,8 +6,6 @@ from functools import cache
 from itertools import chain, combinations
 from typing import Any
 
-import numpy as np
-
 from dea.arrays import Array
 from dea.terms import Term, static_value
 
@@ -63,23 +61,6 @@ def _monomials(term: Term) -> list[tuple[Term, int, Counter[int]]]:
                 y_power = len(term.y_lags) - len(y_kept)
                 found.append((monomial, y_power, term.input_powers - monomial.input_powers))
     return found
-
-
-def spectral_radius(expanded: Polynomial) -> Array:
-    """Return the largest modulus of the poles of the linear part, shape (...).
-
-    Below 1 the operating point attracts, and small inputs have a steady-state response.
-    """
-    linear = {term.y_lags[0]: c for term, c in expanded.items() if term.is_delayed_output}
-    if not linear:
-        return np.zeros(np.shape(next(iter(expanded.values()), 0.0)))
-    order = max(linear)
-    companion = np.zeros((*np.shape(next(iter(linear.values()))), order, order))
-    companion[..., range(1, order), range(order - 1)] = 1.0
-    for lag, coefficient in linear.items():
-        companion[..., 0, lag - 1] = coefficient
-    largest: Array = np.abs(np.linalg.eigvals(companion)).max(axis=-1)
-    return largest
 
 
 def _subsets(count: int) -> chain[tuple[int, ...]]:

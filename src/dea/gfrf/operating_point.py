@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.polynomial import polynomial
 
 from dea.arrays import Array
-from dea.gfrf.expansion import expand, spectral_radius
-from dea.narx import BOUND, polished, simulate, static_polynomial
+from dea.narx import BOUND, largest_pole, real_roots, simulate
 from dea.terms import Term, max_lag, static_value
 
 _FIRST_RUN = 256  # samples; each further run is twice as long
@@ -99,17 +97,8 @@ def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: Array) -> Arr
 
 
 def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: Array) -> list[float]:
-    coefficients = np.trim_zeros(static_polynomial(terms, theta, u0.tolist()), "b")
-    if coefficients.size < 2:
-        return []
-    candidates = polynomial.polyroots(coefficients)
-    # A double root of real coefficients is computed with an imaginary part near the square root
-    # of the rounding error; it attracts from one side only and is not a rest.
-    real = candidates.real[np.abs(candidates.imag) <= 1e-9 * (1.0 + np.abs(candidates))]
-    # They are eigenvalues, which lose a few digits.
-    roots = polished(real[None], coefficients[None])[0].real
-    return [
-        float(root)
-        for root in roots
-        if spectral_radius(expand(terms, theta, np.asarray(root), u0)) < 1.0
-    ]
+    [roots] = real_roots(terms, theta, u0[None])
+    poles = largest_pole(terms, theta, np.tile(u0, (roots.size, 1)), roots)
+    # A double root attracts from one side only; its pole is 1 but for rounding.
+    attracting: list[float] = roots[poles < 1.0 - _NEAR].tolist()
+    return attracting

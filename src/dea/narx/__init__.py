@@ -28,7 +28,7 @@ from dea.narx.published import load_published
 from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
-from dea.narx.rest import polished, static_polynomial
+from dea.narx.rest import largest_pole, real_roots
 from dea.narx.scaling import Scaling
 from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined, Search
 from dea.narx.selection import select_common_terms, select_terms
@@ -82,6 +82,7 @@ __all__ = [
     "inclusion_frequency",
     "input_of",
     "lag_choices",
+    "largest_pole",
     "linear_model",
     "linear_terms",
     "load_published",
@@ -91,9 +92,9 @@ __all__ = [
     "padded_lags",
     "pair",
     "parameter_interval",
-    "polished",
     "quantile",
     "rate_of",
+    "real_roots",
     "refine",
     "regressor_matrix",
     "remove_feedback",
@@ -105,6 +106,5 @@ __all__ = [
     "simulate",
     "simulate_varying",
     "simulation_interval",
-    "static_polynomial",
     "validate",
 ]

@@ -44,7 +44,7 @@ def rests_over(
         The output about which the model is used.
     """
     roots = [
-        found[np.abs(found - near) <= limit] for found in _real_roots(terms, parameters, inputs)
+        found[np.abs(found - near) <= limit] for found in real_roots(terms, parameters, inputs)
     ]
     levels = len(inputs)
     middle = int(np.argmin(np.abs(by_input(inputs)).max(axis=0)))
@@ -54,7 +54,7 @@ def rests_over(
         last = outputs[middle]
         for level in order:
             last = outputs[level] = _nearest(roots[level], last if np.isfinite(last) else near)
-    return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
+    return Rests(inputs, outputs, largest_pole(terms, parameters, inputs, outputs))
 
 
 def static_polynomial(
@@ -73,8 +73,8 @@ def static_polynomial(
     return coefficients
 
 
-def _real_roots(terms: Sequence[Term], parameters: Array, inputs: Array) -> list[Array]:
-    """Return the real roots of the static polynomial at each input.
+def real_roots(terms: Sequence[Term], parameters: Array, inputs: Array) -> list[Array]:
+    """Return the real roots of the static polynomial at each input, where the model can rest.
 
     They are the eigenvalues of its companion matrix, of all inputs at once: a search asks for the
     rests of thousands of models. Newton steps follow, since beside a leading coefficient that is
@@ -90,13 +90,13 @@ def _real_roots(terms: Sequence[Term], parameters: Array, inputs: Array) -> list
         companion[:, :, -1] = -coefficients[levels, :degree] / coefficients[levels, degree, None]
         polynomials = coefficients[levels, : degree + 1]
         for level, roots in zip(
-            levels.tolist(), polished(np.linalg.eigvals(companion), polynomials), strict=True
+            levels.tolist(), _polished(np.linalg.eigvals(companion), polynomials), strict=True
         ):
             real[level] = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
     return real
 
 
-def polished(roots: Array | Complex, coefficients: Array) -> Complex:
+def _polished(roots: Array | Complex, coefficients: Array) -> Complex:
     """Return roots (levels, degree) of polynomials (levels, degree + 1) after Newton steps.
 
     A step is taken where it lowers the modulus of the polynomial.
@@ -127,8 +127,12 @@ def _nearest(roots: Array, near: float) -> float:
     return float(roots[np.argmin(np.abs(roots - near))]) if roots.size else float("nan")
 
 
-def _largest_pole(terms: Sequence[Term], parameters: Array, inputs: Array, outputs: Array) -> Array:
-    """Largest modulus of the roots of z^n - sum_k (df/dy_{t-k}) z^(n-k) at each rest."""
+def largest_pole(terms: Sequence[Term], parameters: Array, inputs: Array, outputs: Array) -> Array:
+    """Return the largest modulus of the roots of z^n - sum_k (df/dy_{t-k}) z^(n-k) at each rest.
+
+    Below 1 the rest attracts. Inputs and outputs at rest have the shapes of :class:`Rests`; where
+    the output is NaN the modulus is infinite.
+    """
     order = max((max(term.y_lags) for term in terms if term.y_lags), default=1)
     at_rest = np.isfinite(outputs)
     columns, y = by_input(inputs[at_rest]), outputs[at_rest]

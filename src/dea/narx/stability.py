@@ -40,10 +40,12 @@ class Stability:
     ----------
     inputs, outputs, poles
         Constant inputs over the record's range and the rests there in physical units, and the
-        largest modulus of the poles; shape (levels,). Several inputs, shape (levels, inputs), are
-        varied one by one, the others at their offsets or where their range comes nearest to them,
-        and together from corner to corner, along eight diagonals at most. Where there is no rest
-        the output is NaN and the modulus infinite.
+        largest modulus of the poles; shape (levels,). Of several rests it is that which is nearest
+        to the one at the level before, from the input nearest to its offset on and there nearest to
+        the mean output; frequency responses are around the one that a run settles to. Several
+        inputs, shape (levels, inputs), are varied one by one, the others at their offsets or where
+        their range comes nearest to them, and together from corner to corner, along eight diagonals
+        at most. Where there is no rest the output is NaN and the modulus infinite.
     holds, runs, surrogates
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
         and the spectrum of the record's; phase-randomised inputs with its spectrum. Of a record of
