@@ -11,9 +11,11 @@ from dea.terms import Term, input_symbol
 _DIGITS = 4  # significant ones of every number
 
 
-def equation_text(terms: Sequence[Term], parameters: Iterable[float]) -> str:
-    """Return ``y(t) = 0.9 y(t-1) - 0.1 u(t-1)^2``."""
-    return "y(t) = " + _sum(parameters, [str(t) if t.degree else "" for t in terms])
+def equation_text(
+    terms: Sequence[Term], parameters: Iterable[float], digits: int | None = _DIGITS
+) -> str:
+    """Return ``y(t) = 0.9 y(t-1) - 0.1 u(t-1)^2``; without ``digits``, with all there are."""
+    return "y(t) = " + _sum(parameters, [str(t) if t.degree else "" for t in terms], digits)
 
 
 def equation_latex(terms: Sequence[Term], parameters: Iterable[float]) -> str:
@@ -105,23 +107,30 @@ def _each(values: float | Sequence[float], count: int) -> Sequence[float]:
 
 def _of_signal(signal: ScaledSignal) -> str:
     units = f" {signal.units}" if signal.units != "1" else ""
-    offset, scale = _signed(-signal.offset), number(signal.scale, _DIGITS)
+    offset, scale = signed(-signal.offset), number(signal.scale, _DIGITS)
     return f"({signal.name} {offset}{units}) / {scale}{units}"
 
 
-def _sum(parameters: Iterable[float], monomials: Sequence[str]) -> str:
+def _sum(
+    parameters: Iterable[float], monomials: Sequence[str], digits: int | None = _DIGITS
+) -> str:
     text = ""
     for parameter, monomial in zip(parameters, monomials, strict=True):
         space = " " if monomial else ""
         if text:
-            text += f" {_signed(parameter)}{space}{monomial}"
+            text += f" {signed(parameter, digits)}{space}{monomial}"
         else:
-            text = f"{number(parameter, _DIGITS)}{space}{monomial}"
+            text = f"{_written(parameter, digits)}{space}{monomial}"
     return text
 
 
-def _signed(value: float) -> str:
-    return f"{'-' if value < 0 else '+'} {number(abs(value), _DIGITS)}"
+def signed(value: float, digits: int | None = _DIGITS) -> str:
+    """Return ``- 0.1`` or ``+ 0.1``, as it stands after another number."""
+    return f"{'-' if value < 0 else '+'} {_written(abs(value), digits)}"
+
+
+def _written(value: float, digits: int | None) -> str:
+    return repr(value) if digits is None else number(value, digits)
 
 
 def _powers_of_ten(text: str) -> str:

@@ -18,7 +18,7 @@ from dea.narx.checks import as_input, as_signal
 from dea.narx.labels import Labels, input_of, pair
 from dea.narx.metrics import nmse
 from dea.narx.model_dataset import model_dataset
-from dea.narx.model_text import equation_text
+from dea.narx.model_text import model_text
 from dea.narx.prediction import predicted
 from dea.narx.scaling import OneInput, Scaling, require_scaling
 from dea.narx.simulation import simulate
@@ -379,7 +379,7 @@ class NarxModel:
 
     def __str__(self) -> str:
         """Return the equation that is simulated, every digit of its parameters included."""
-        return equation_text(self)
+        return model_text(self)
 
 
 def _lists(values: Mapping[str, Any]) -> dict[str, Any]:
