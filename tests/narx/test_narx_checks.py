@@ -12,7 +12,7 @@ from dea.narx.held_out import held_out_error
 from dea.narx.metrics import fpe
 from dea.narx.model import NarxModel
 from dea.narx.simulation import simulate, simulate_varying
-from dea.narx.trace import gain
+from dea.narx.trace import serr
 from dea.narx.validation import Windows, validate
 from dea.store import Record
 from dea.terms import Term
@@ -88,10 +88,10 @@ def test_a_scaling_leads_there_and_back():
 
 
 def test_the_ratio_is_a_share_of_the_power_and_infinite_where_a_run_diverges():
-    assert gain(5.0, 3.0, 4.0) == 0.5
-    assert gain(3.0, 5.0, 4.0) == -0.5
-    assert gain(np.inf, 3.0, 4.0) == np.inf
-    assert gain(5.0, np.inf, 4.0) == gain(np.inf, np.inf, 4.0) == -np.inf
+    assert serr(5.0, 3.0, 4.0) == 0.5
+    assert serr(3.0, 5.0, 4.0) == -0.5
+    assert serr(np.inf, 3.0, 4.0) == np.inf
+    assert serr(5.0, np.inf, 4.0) == serr(np.inf, np.inf, 4.0) == -np.inf
 
 
 def test_the_final_prediction_error_of_one_sample_more_than_terms_is_finite():

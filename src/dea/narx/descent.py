@@ -21,7 +21,7 @@ from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.forward import forward_and_prune
 from dea.narx.orthogonal import orthogonal_order
 from dea.narx.segments import squared_error
-from dea.narx.trace import Trace, Tried, gain
+from dea.narx.trace import Trace, Tried, serr
 from dea.progress import tell
 from dea.terms import Term, max_lag
 
@@ -104,7 +104,7 @@ class Descent:
         power, before = self.exchange.power, np.inf
         for step, (j, structure) in enumerate(zip(order, found, strict=True)):
             error = structure.fit.error
-            tried = Tried(str(self._candidates[j]), error * power, gain(before, error, 1.0))
+            tried = Tried(str(self._candidates[j]), error * power, serr(before, error, 1.0))
             self._trace.add("orthogonal", step, [tried], 0, "added")
             before = error
         return found

@@ -26,7 +26,7 @@ from dea.narx.parameter_covariance import column_norms
 from dea.narx.refinement import minimise
 from dea.narx.segments import LinearisedRuns, linearise
 from dea.narx.stability import StabilityTest, stays_in_range_reversed
-from dea.narx.trace import Trace, Tried, gain
+from dea.narx.trace import Trace, Tried, serr
 from dea.terms import Term
 
 _FITTED = 4  # additions, and removals, of best predicted gain that are fitted in a round
@@ -106,7 +106,7 @@ class Exchange:
                         Tried(
                             move.label,
                             each.fit.error * self.power,
-                            gain(now.fit.error, each.fit.error, 1.0),
+                            serr(now.fit.error, each.fit.error, 1.0),
                         )
                         for move, each in zip(moves, found, strict=True)
                     ],

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dea.narx.candidate_models import CandidateModels, Subset
-from dea.narx.trace import Trace, Tried, gain
+from dea.narx.trace import Trace, Tried, serr
 
 
 def forward_and_prune(
@@ -32,30 +32,30 @@ def forward_and_prune(
 
     grown = _descend(models, basis, grow, lambda _: add_threshold, trace, ("forward", "added"))
 
-    def least_gain(subset: Subset) -> float:
+    def least_ratio(subset: Subset) -> float:
         return -prune_threshold if len(subset) <= most else -np.inf
 
-    return _descend(models, grown, shrink, least_gain, trace, ("pruning", "pruned"))
+    return _descend(models, grown, shrink, least_ratio, trace, ("pruning", "pruned"))
 
 
 def _descend(
     models: CandidateModels,
     subset: Subset,
     moves: Callable[[Subset], dict[str, Subset]],
-    least_gain: Callable[[Subset], float],
+    least_ratio: Callable[[Subset], float],
     trace: Trace,
     labels: tuple[str, str],
 ) -> Subset:
-    """Take the move of least simulated error while its SERR (5) is at least ``least_gain``."""
+    """Take the move of least simulated error while its SERR (5) is at least ``least_ratio``."""
     phase, status = labels
     error, step = models([subset])[0].msse, 0
     while options := moves(subset):
         step += 1
         errors = [outcome.msse for outcome in models(options.values())]
-        gains = [gain(error, after, models.power) for after in errors]
+        ratios = [serr(error, after, models.power) for after in errors]
         best = int(np.argmin(errors))
-        accepted = gains[best] >= least_gain(subset)
-        tried = [Tried(*each) for each in zip(options, errors, gains, strict=True)]
+        accepted = ratios[best] >= least_ratio(subset)
+        tried = [Tried(*each) for each in zip(options, errors, ratios, strict=True)]
         trace.add(phase, step, tried, best if accepted else None, status)
         if not accepted:
             break

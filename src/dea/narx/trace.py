@@ -18,7 +18,7 @@ _LABELS = {
 }
 
 
-def gain(before: float, after: float, power: float) -> float:
+def serr(before: float, after: float, power: float) -> float:
     """Simulated error reduction ratio (5), where an unstable model has an infinite error."""
     if not np.isfinite(after):
         return -np.inf
