@@ -72,9 +72,7 @@ def simulate(
     shape, numbered = _described(terms)
     check_inputs(numbered, u)
     check_shape(parameters, (len(terms),), "parameters")
-    y = np.empty(u.shape[0])
-    initial = initial_outputs(y_initial, shape.start, y.size)
-    y[: initial.size] = initial
+    y = _begun(y_initial, shape.start, u.shape[0])
     kernels.run(shape, parameters, by_input(u), y, bound)
     return y
 
@@ -129,9 +127,7 @@ def simulate_varying(
     """
     check_shape(theta, (u.shape[0], len(terms)), "theta")
     shape = structure(terms)
-    y = np.empty(u.shape[0])
-    initial = initial_outputs(y_initial, shape.start, y.size)
-    y[: initial.size] = initial
+    y = _begun(y_initial, shape.start, u.shape[0])
     kernels.run_varying(shape, np.ascontiguousarray(theta), input_rows(terms, u), y, bound)
     return y
 
@@ -142,15 +138,18 @@ def input_rows(terms: tuple[Term, ...], u: Array) -> Array:
     return by_input(u)
 
 
-def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
-    """Return the outputs that a run starts from, checked to be enough."""
+def _begun(y_initial: Array, start: int, samples: int) -> Array:
+    """Return the outputs of a run, of which the first are given and the others not computed yet."""
     if y_initial.size < start and y_initial.size < samples:
         raise InputError(
             f"{y_initial.size} initial outputs for a largest lag of {start}",
             field="y_initial",
             remedy=f"Give the first {start} outputs.",
         )
-    return y_initial[: min(start, samples)]
+    y = np.empty(samples)
+    given = min(start, samples)
+    y[:given] = y_initial[:given]
+    return y
 
 
 def padded_lags(lags: Sequence[tuple[int, ...]]) -> Indices:
