@@ -448,3 +448,12 @@ def test_outputs_that_are_missing_at_the_start_leave_no_gap_in_the_bands(method)
     assert np.isfinite(track["innovation"][51:]).all()
     runs = compare_free_runs(model, {method: track}, u, y, window=500)
     assert np.isfinite(runs["simulated_low"]).all()
+
+
+def test_a_constant_leaves_a_model_its_trace_and_its_report():
+    u, y = record(2, 0.01)[:2]
+    plain = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.3})
+    model = replace(plain, trace=xr.Dataset(), checked=PLANT.stability(u[:500], y[:500]))
+    found = with_constant(model)
+    assert found.parameters.tolist() == [0.0, 0.5, 0.3]
+    assert (found.trace is model.trace, found.checked is model.checked) == (True, True)

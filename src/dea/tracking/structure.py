@@ -1,5 +1,7 @@
 """The structure that is tracked: the model's own, and a constant."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from dea.narx import NarxModel
@@ -18,11 +20,9 @@ def with_constant(model: NarxModel) -> NarxModel:
     if model.covariance is not None:
         covariance = np.zeros((len(model.terms) + 1, len(model.terms) + 1))
         covariance[1:, 1:] = model.covariance
-    return NarxModel(
-        (Term(), *model.terms),
-        np.concatenate([[0.0], model.parameters]),
-        model.scaling,
-        covariance,
-        withheld=model.withheld,
-        labels=model.labels,
+    return replace(
+        model,
+        terms=(Term(), *model.terms),
+        parameters=np.concatenate([[0.0], model.parameters]),
+        covariance=covariance,
     )
