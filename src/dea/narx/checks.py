@@ -83,7 +83,7 @@ def as_input(values: ArrayLike) -> Array:
 
 
 def check_inputs(numbered: int | None, u: Array) -> None:
-    """Check that terms, as :func:`dea.terms.numbered_inputs` counts them, are of these inputs.
+    """Check that terms are of these inputs, ``numbered`` as :func:`dea.terms.numbered_inputs` says.
 
     Raises
     ------

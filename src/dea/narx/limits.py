@@ -9,11 +9,11 @@ from dea.arrays import Array, Segment
 from dea.narx.simulation import simulate
 from dea.terms import Term
 
-# Times the largest departure of the measured outputs from their mean. A model that leaves it on
-# inputs of the amplitudes and the spectrum of a record is bounded on that record alone.
+# Times the largest departure of the measured outputs from their mean. A model whose run goes
+# beyond on inputs of the amplitudes and the spectrum of a record is bounded on that record alone.
 LEEWAY = 3.0
-# The same, beyond which a run has diverged. It is wider since gains at rest may exceed those
-# recorded.
+# Times the same departure, beyond which a run has diverged; wider, since gains at rest may exceed
+# those recorded.
 DIVERGED = 100.0
 
 

@@ -50,8 +50,8 @@ def covariance_of_free_runs(
     theta
         Parameters, shape (terms,).
     runs
-        Where each run has unknowns of its own, its slope is what these leave of it by regression:
-        so is the derivative by the parameters when the others are fitted with them.
+        Where each run has unknowns of its own, such as its start, its slope is the part of the
+        derivative by the parameters that is orthogonal to the derivatives by these.
     unknowns
         All that were fitted.
     """

@@ -22,7 +22,7 @@ Lines = NDArray[np.int64]
 
 _SHOWN = 1e-6  # part of the noise that must show in the differences between periods
 # RMS of what differs between the periods of an input, as a part of how it moves: noise that it is
-# measured with stays below; with another period all of it differs.
+# measured with stays below; if the period given is wrong, the periods differ altogether.
 _REPEATED = 0.5
 
 

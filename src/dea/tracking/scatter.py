@@ -11,7 +11,8 @@ theta'' L^2/24 = d/24, is a small part of this.
 
 A ratio that a few windows show is itself uncertain: bands that hold for a known variance are then
 wider by Student's quantile. Ratios that noise alone exceeds in more than one of twenty records, the
-largest of the directions, are left as they are, lest records in which nothing scatters pay for it.
+largest of the directions, are left as they are, so that records in which nothing scatters keep
+their bands.
 """
 
 import numpy as np
