@@ -256,6 +256,28 @@ def test_a_filler_breaks_with_the_path_and_joins_with_time(share):
 
 
 @EACH
+def test_a_force_fades_with_the_way_whatever_the_time(share):
+    made, draws = form("endochronic", 0.8, share)
+    length = draws.at(0.03, 0.1) * TRAVEL
+    ends = [REST, TOP, BOTTOM, 0.5 * (TOP + BOTTOM)]
+    path = sweep(*ends[1:], points=1000, start=REST)
+    felt = resist(made, path)
+    # Each piece of the way adds its stiffness, of which a share is left after what follows.
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path)))])
+    middle = 0.5 * (way[1:] + way[:-1])
+    for k in (300, 1000, 1400, 2000, 2900):
+        since = way[k] - middle[:k]
+        left = sum(
+            stiffness * np.exp(-since / (length * longer))
+            for stiffness, longer in ((4.0 / 7.0, 1.0), (2.0 / 7.0, 3.0), (1.0 / 7.0, 9.0))
+        )
+        expected = 0.8 * K * (left @ np.diff(path)[:k])
+        assert felt[k] == pytest.approx(expected, abs=1e-3 * K)
+    slow = resist(form("endochronic", 0.8, share)[0], path[::10], seconds_each=0.05)
+    np.testing.assert_allclose(slow, felt[::10], atol=1e-9)
+
+
+@EACH
 def test_strands_break_as_weibull_s_law_says(share):
     made, draws = form("breaking_strands", 0.2, share)
     order, scale = draws.at(2.0, 4.0), draws.at(0.4, 0.8) * UNEVEN.full_cycles
@@ -268,6 +290,18 @@ def test_strands_break_as_weibull_s_law_says(share):
     left = 1.0 - np.exp(-((cycles / scale) ** order))
     whole = 1.0 - np.exp(-((UNEVEN.full_cycles / scale) ** order))
     np.testing.assert_allclose(after, 0.2 * left / whole, rtol=1e-6)
+
+
+@EACH
+def test_damage_comes_slowly_and_then_quickly(share):
+    made, draws = form("two_phases", 0.2, share)
+    knee, early = draws.at(0.3, 0.7) * UNEVEN.full_cycles, draws.at(0.1, 0.25)
+    path = sweep(*[TOP, BOTTOM] * 16, start=BOTTOM, points=60)
+    lost = -resist(made, path) / (K * path)
+    cycles, after = 0.5 * np.arange(1, 30), lost[60 * np.arange(2, 31)]
+    # A line from none to the knee, and one from there to all at the end, which it goes beyond.
+    line = np.array([0.0, knee, UNEVEN.full_cycles]), np.array([0.0, early, 1.0])
+    np.testing.assert_allclose(after, 0.2 * np.interp(cycles, *line), rtol=1e-6)
 
 
 @EACH

@@ -80,12 +80,14 @@ from dea.plant.force_laws.friction import (
 from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
+    carry_endochronic,
     carry_flag,
     carry_joint,
     carry_leaves,
     carry_magnet,
     carry_peaks,
     carry_sliders,
+    endochronic_force,
     masing_force,
     note_reversals,
     preisach_force,
@@ -201,7 +203,8 @@ WIDTH = 64  # length of a row of constants or memory
     WEDGES,
     CREEPING,
     TAPERED,
-) = range(73)
+    ENDOCHRONIC,
+) = range(74)
 
 
 class Forces(NamedTuple):
@@ -365,6 +368,8 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += creeping_stop(c, m, y)
         elif kind == TAPERED:
             total += tapered_force(c, y, v)
+        elif kind == ENDOCHRONIC:
+            total += endochronic_force(c, m)
     return total
 
 
@@ -453,3 +458,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             m[0], m[1] = wedge_stop(c, m, y), y
         elif kind == CREEPING:
             carry_creeping(c, m, y)
+        elif kind == ENDOCHRONIC:
+            carry_endochronic(c, m, y)

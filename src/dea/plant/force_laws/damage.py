@@ -7,7 +7,7 @@ from numba import njit
 
 from dea.arrays import Array
 
-POWER, LOGARITHM, SATURATING, STAGES, WEIBULL = range(5)
+POWER, LOGARITHM, SATURATING, STAGES, WEIBULL, PHASES = range(6)
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,7 +33,9 @@ def cycle_damage(c: Array, m: Array) -> float:
     LOGARITHM; SATURATING, exponentially with c[3] time constants in c[2] cycles (J. Lemaitre and
     J.-L. Chaboche, Mechanics of Solid Materials, 1990); STAGES, c[3] for a share c[7] and c[8] for
     the rest (H. Mao and S. Mahadevan, Compos. Struct. 58 (2002) 405); WEIBULL, as 1 - exp(-n^c[3])
-    for n cycles over a share c[7] of c[2] (W. Weibull, J. Appl. Mech. 18 (1951) 293).
+    for n cycles over a share c[7] of c[2] (W. Weibull, J. Appl. Mech. 18 (1951) 293); PHASES, a
+    line to c[7] at a share c[3] of the cycles and one from there (S. S. Manson and G. R. Halford,
+    Int. J. Fract. 17 (1981) 169).
     """
     cycles = m[0] / c[2]
     lost = 0.0
@@ -47,6 +49,9 @@ def cycle_damage(c: Array, m: Array) -> float:
         lost = c[7] * cycles ** c[3] + (1.0 - c[7]) * cycles ** c[8]
     elif c[6] == WEIBULL:
         lost = np.expm1(-((cycles / c[7]) ** c[3])) / np.expm1(-(c[7] ** -c[3]))
+    elif c[6] == PHASES:
+        first, second = min(cycles, c[3]) / c[3], max(cycles - c[3], 0.0) / (1.0 - c[3])
+        lost = c[7] * first + (1.0 - c[7]) * second
     value: float = min(c[1] * lost, 0.9)
     return value
 

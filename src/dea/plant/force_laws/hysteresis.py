@@ -254,3 +254,25 @@ def carry_peaks(c: Array, m: Array, y: float) -> None:
         aim = c[0] * (c[1] + c[2] * (far - c[1]))
         force += way * min((aim - force) / (far - place + way), c[0])
     m[0], m[1] = side * force if side != 0.0 else m[0], y
+
+
+@njit(cache=True, error_model="numpy")
+def endochronic_force(c: Array, m: Array) -> float:
+    """Return the force of c[0] springs; (stiffness, way over which it fades) pairs follow in ``c``.
+
+    K. C. Valanis, Arch. Mech. 23 (1971) 517. m: latest place, then the force of every spring.
+    """
+    force = 0.0
+    for i in range(int(c[0])):
+        force += m[1 + i]
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_endochronic(c: Array, m: Array, y: float) -> None:
+    """Carry dF = k dy - F |dy|/l of every spring, exactly for a step one way."""
+    step = y - m[0]
+    for i in range(int(c[0])):
+        limit = c[1 + 2 * i] * c[2 + 2 * i] * np.sign(step)
+        m[1 + i] -= np.expm1(-abs(step) / c[2 + 2 * i]) * (limit - m[1 + i])
+    m[0] = y

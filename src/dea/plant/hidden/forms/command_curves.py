@@ -193,6 +193,24 @@ def gelling_paste(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_gelled, constants, [1.0]), {})
 
 
+@reporting("Buckingham, Proc. ASTM 21 (1921) 1154: a paste in a pipe, whose middle moves as a plug")
+def paste_in_pipe(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """No flow until the wall yields at the threshold; above it u (1 - 4/3 x + 1/3 x⁴).
+
+    x is the threshold over the command, and the radius of the plug over that of the pipe.
+    """
+    threshold, _ = _threshold(size, conditions)
+
+    def flow(u: Array) -> Array:
+        plug = threshold / np.maximum(u, threshold)
+        value: Array = u * (1.0 - plug) ** 2 * (3.0 + 2.0 * plug + plug**2) / 3.0
+        return value
+
+    top = float(flow(np.array([conditions.high]))[0])
+    law = command_curve(lambda u: flow(u) * conditions.high / top, conditions)
+    return Built(law, {"threshold": threshold})
+
+
 def _ceiling(size: float, conditions: Conditions) -> float:
     return conditions.high - size * conditions.span
 
@@ -332,7 +350,7 @@ EFFECTS = (
     EffectKind(
         "dead_zone", Port.INPUT, 0.04, 0.5, "1",
         (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, cracking_valve,
-         glow_lamp, diode_drop, square_law_foot, static_head, gelling_paste),
+         glow_lamp, diode_drop, square_law_foot, static_head, gelling_paste, paste_in_pipe),
     ),
     EffectKind(
         "input_saturation", Port.INPUT, 0.02, 0.45, "1",

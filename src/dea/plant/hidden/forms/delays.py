@@ -276,11 +276,23 @@ def queued_packets(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(law, {})
 
 
+@reporting("Kallmann, Proc. IRE 28 (1940) 302: a transversal filter, here with a linear phase")
+def transversal_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Thirty-three taps, the middle one ``size`` band periods late, on which an edge rises.
+
+    Their weights are a sinc under Hamming's bell, which is zero every 3 to 6 taps.
+    """
+    apart = np.arange(33.0) - 16.0
+    weights = np.sinc(apart / rng.uniform(3.0, 6.0)) * np.hamming(33)
+    law, mean = _spread(weights, size * conditions.time * (1.0 + apart / 16.0))
+    return Built(law, {"delay": mean})
+
+
 EFFECTS = (
     EffectKind(
         "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
         (pure_delay, sampled_and_held, laminar_tube, reflecting_line, bucket_brigade,
          joined_samples, loaded_line, coaxial_cable, jittered_delay, dispersed_plug_flow,
-         turbulent_pipe, queued_packets),
+         turbulent_pipe, queued_packets, transversal_filter),
     ),
 )  # fmt: skip

@@ -268,11 +268,24 @@ def relay_cycle(size: float, conditions: Conditions, rng: Generator) -> Built:
     )
 
 
+@reporting("Korteweg and de Vries, Phil. Mag. 39 (1895) 422: cnoidal waves, here below a gauge")
+def cnoidal_wave(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A wave on the reading, crests narrower than troughs: cn² at a parameter of 0.7 to 0.98."""
+    from scipy.special import ellipj, ellipk
+
+    frequency, phase = _frequency(conditions, rng), rng.random()
+    narrow = rng.uniform(0.7, 0.98)
+    wave = ellipj(2.0 * ellipk(narrow) * np.linspace(0.0, 1.0, 401), narrow)[1] ** 2
+    wave = 2.0 * size * conditions.travel * (wave - wave[:-1].mean())
+    law = SignalLaw(_repeated, np.concatenate([[frequency, phase], wave]), output=True)
+    return Built(law, {"frequency": frequency})
+
+
 EFFECTS = (
     EffectKind(
         "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
         (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
          hunting_machine, chopped_supply, relaxation_oscillation, beating_machines, cogging,
-         rectified_sine, cycloidal_cam, relay_cycle),
+         rectified_sine, cycloidal_cam, relay_cycle, cnoidal_wave),
     ),
 )  # fmt: skip

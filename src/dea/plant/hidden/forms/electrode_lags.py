@@ -1,4 +1,4 @@
-"""Lags of an electrode with a stray capacity, and of one that warms."""
+"""Lags of electrodes: with a stray capacity, of one that warms, of many times, of its kinetics."""
 
 import numpy as np
 from numba import njit
@@ -53,3 +53,56 @@ def warming_composite(size: float, conditions: Conditions, rng: Generator) -> Bu
     scale = size / (1.0 + 2.0 * size) * conditions.span
     constants = [size * conditions.time, growth, scale, warming]
     return Built(SignalLaw(_warmed, constants, np.zeros(3)), {})
+
+
+@reporting("Wagner, Ann. Phys. 40 (1913) 817: relaxation times whose logarithms are normal")
+def lognormal_times(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Forty equal lags side by side, of a deviation of 0.7 to 1.4 of the logarithms.
+
+    Their mean delay is ``size`` band periods.
+    """
+    from scipy.special import ndtri
+
+    mean = size * conditions.time
+    times = np.exp(rng.uniform(0.7, 1.4) * ndtri((np.arange(40) + 0.5) / 40.0))
+    law = parallel(0.0, np.full(40, 1.0 / 40.0), mean * times / times.mean())
+    return Built(law, {"lag": mean})
+
+
+@njit(cache=True)
+def _transferred(c: Array, m: Array, u: Array) -> None:
+    """Follow at a rate exp(a x) - exp(-(1 - a) x) of the error x, by the implicit rule.
+
+    c: unit of x, a, and a sub-step over the time of the lag; m: started and value.
+    """
+    unit, share, step = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = (u[k] - m[1]) / unit
+        ahead = share if error > 0.0 else 1.0 - share
+        size = abs(error)
+        # From above the root, by Newton's rule.
+        x = min(size, np.log1p(size / step) / ahead)
+        for _ in range(20):
+            rising, falling = np.exp(ahead * x), np.exp((ahead - 1.0) * x)
+            excess = x - size + step * (rising - falling)
+            x -= excess / (1.0 + step * (ahead * rising + (1.0 - ahead) * falling))
+            if abs(excess) < 1e-12 * size:
+                break
+        m[1] = u[k] - (unit * x if error > 0.0 else -unit * x)
+        u[k] = m[1]
+
+
+@reporting(
+    "Erdey-Grúz and Volmer, Z. Phys. Chem. A 150 (1930) 203: charge transfer at an electrode"
+)
+def charge_transfer(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lag of ``size`` band periods, ever less for errors above 0.05 to 0.3 of the range.
+
+    It lessens more one way than the other, with exponents of 0.25 to 0.4 and the rest of 1.
+    """
+    unit, share = rng.uniform(0.05, 0.3) * conditions.span, rng.uniform(0.25, 0.4)
+    share = share if rng.random() < 0.5 else 1.0 - share
+    constants = [unit, share, SUBSTEP / (size * conditions.time)]
+    return Built(SignalLaw(_transferred, constants, [0.0, 0.0]), {})

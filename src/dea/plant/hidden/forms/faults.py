@@ -197,11 +197,50 @@ def blocked_valve(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_blocked, [moment, limit]), {"time": moment})
 
 
+@njit(cache=True)
+def _leaking(c: Array, m: Array, u: Array) -> None:
+    """Lose c[0] times the root of the command over c[3], from c[1] s on, within c[2] s; m: time."""
+    for k in range(u.shape[0]):
+        leak = c[0] * in_time.course(in_time.RAMP, c[1], c[2], m[0])
+        if u[k] > 0.0:
+            u[k] -= min(leak * np.sqrt(u[k] / c[3]), u[k])
+        m[0] += SUBSTEP
+
+
+@reporting("An and Sepehri, Int. J. Fluid Power 6 (2005) 41: an actuator that leaks")
+def leaking_actuator(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """From the moment on an orifice takes ``size`` of the range away at the highest command.
+
+    At others it takes less, with the root of the command.
+    """
+    moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
+    constants = [size * conditions.span, moment, width, conditions.high]
+    return Built(SignalLaw(_leaking, constants), {"time": moment})
+
+
+@njit(cache=True)
+def _intervened(c: Array, m: Array, y: Array) -> None:
+    """Add c[0] from c[1] s on, a share c[2] at once and the rest with c[3] s; m: time."""
+    for k in range(y.shape[0]):
+        if m[0] >= c[1]:
+            y[k] += c[0] * (1.0 - (1.0 - c[2]) * np.exp(-(m[0] - c[1]) / c[3]))
+        m[0] += SUBSTEP
+
+
+@reporting("Box and Tiao, J. Am. Stat. Assoc. 70 (1975) 70: a level after an intervention")
+def intervened_level(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves by ``size`` travels, 0.3 to 0.7 of it at once, the rest exponentially."""
+    moment, time = _moment(conditions, rng), rng.uniform(0.3, 1.0) * conditions.time
+    height = size * conditions.travel * rng.choice([-1.0, 1.0])
+    constants = [height, moment, rng.uniform(0.3, 0.7), time]
+    return Built(SignalLaw(_intervened, constants, output=True), {"time": moment})
+
+
 EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
          rescaled_sensor, dropped_load, lost_effectiveness, thickened_oil, settling_gain,
-         slipping_joint, plugged_line, blocked_valve),
+         slipping_joint, plugged_line, blocked_valve, leaking_actuator, intervened_level),
     ),
 )  # fmt: skip

@@ -7,9 +7,19 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
-from dea.plant.hidden.forms.electrode_lags import stray_capacity, warming_composite
+from dea.plant.hidden.forms.electrode_lags import (
+    charge_transfer,
+    lognormal_times,
+    stray_capacity,
+    warming_composite,
+)
 from dea.plant.hidden.forms.kernels import cascade, parallel
-from dea.plant.hidden.forms.sensor_lags import digital_voltmeter, still_air
+from dea.plant.hidden.forms.sensor_lags import (
+    digital_voltmeter,
+    oxygen_probe,
+    still_air,
+    tracer_particles,
+)
 from dea.plant.signal_law import SignalLaw
 
 
@@ -404,12 +414,12 @@ EFFECTS = (
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
         (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor,
          tunnelling_contacts, davidson_cole, vacuum_tubes, cole_cole, stretched_electrode,
-         stray_capacity, warming_composite),
+         stray_capacity, warming_composite, lognormal_times, charge_transfer),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
         (seismic_element, integrating_converter, bare_thermometer, buried_sensor, thermistor_bead,
          cup_anemometer, comb_filter, photoconductive_cell, bessel_filter, sheathed_probe,
-         still_air, digital_voltmeter),
+         still_air, digital_voltmeter, oxygen_probe, tracer_particles),
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Limiters of command and reading: of bridges, of programmes, in stages and under a ripple."""
+"""Limiters of command and reading: of bridges, of programmes, in stages, rippled and cubic."""
 
 import numpy as np
 from numba import njit
@@ -73,3 +73,17 @@ def rippled_limit(size: float, conditions: Conditions, rng: Generator) -> Built:
         return value
 
     return Built(reading_curve(mean, conditions), {"limit": limit})
+
+
+@reporting("Sullivan, Comput. Music J. 14 (1990) 26: a cubic that ends at the limit")
+def cubic_clipper(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Above a knee d - 4/27 d³, level at d = 3/2, in units of the 0.03 to 0.1 travels to go."""
+    limit = conditions.top - size * conditions.travel
+    room = rng.uniform(0.03, 0.1) * conditions.travel
+
+    def cubic(over: Array) -> Array:
+        d = np.minimum(over / room, 1.5)
+        value: Array = room * (d - 4.0 / 27.0 * d**3)
+        return value
+
+    return Built(reading_curve(bent_above(limit - room, cubic), conditions), {"limit": limit})

@@ -1,5 +1,6 @@
-"""Hysteresis of leaf springs and of cracked concrete."""
+"""Hysteresis of leaf springs, of cracked concrete and by an intrinsic time."""
 
+import numpy as np
 from numpy.random import Generator
 
 from dea.plant import forces
@@ -34,3 +35,16 @@ def cracked_concrete(size: float, conditions: Conditions, rng: Generator) -> Bui
         rng.uniform(0.02, 0.2), conditions.rest,
     ]  # fmt: skip
     return Built(ForceLaw(forces.PEAKS, constants, [0.0, conditions.rest]), {})
+
+
+@reporting("Valanis, Arch. Mech. 23 (1971) 517: a time that runs with the way, not with the clock")
+def endochronic(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Three springs of together ``size`` stiffnesses whose force fades exponentially with the way.
+
+    It fades over 0.03 to 0.1 travels, and over three and nine times as many.
+    """
+    lengths = rng.uniform(0.03, 0.1) * conditions.travel * np.array([1.0, 3.0, 9.0])
+    shares = np.array([4.0, 2.0, 1.0]) / 7.0
+    pairs = np.column_stack([size * conditions.stiffness * shares, lengths]).ravel()
+    law = ForceLaw(forces.ENDOCHRONIC, np.append(3.0, pairs), [conditions.rest])
+    return Built(law, {})

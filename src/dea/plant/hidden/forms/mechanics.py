@@ -16,6 +16,7 @@ from dea.plant.hidden.forms.structures import (
     nested_springs,
     rubbing_absorber,
     three_elements,
+    two_phases,
     worm_like_chain,
 )
 
@@ -332,7 +333,7 @@ EFFECTS = (
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
         (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, three_stages,
          endurance_limit, two_damages, damage_by_work, logarithm_of_cycles, filler_network,
-         breaking_strands),
+         breaking_strands, two_phases),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",

@@ -9,7 +9,7 @@ from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
-from dea.plant.hidden.forms.loops import cracked_concrete, leaf_spring
+from dea.plant.hidden.forms.loops import cracked_concrete, endochronic, leaf_spring
 from dea.plant.hidden.forms.relaxation import (
     biphasic_layer,
     fractional_maxwell,
@@ -342,6 +342,6 @@ EFFECTS = (
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
         (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, ramberg_osgood,
          flag_loops, bolted_joint, jiles_atherton, preisach_product, coleman_hodgdon, leaf_spring,
-         cracked_concrete),
+         cracked_concrete, endochronic),
     ),
 )  # fmt: skip

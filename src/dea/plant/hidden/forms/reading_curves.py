@@ -9,7 +9,7 @@ from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.gauges import hot_wire, tank_gauge
 from dea.plant.hidden.forms.kernels import bent_above, reading_curve, true_at_ends
-from dea.plant.hidden.forms.limiters import limiting_stages, rippled_limit
+from dea.plant.hidden.forms.limiters import cubic_clipper, limiting_stages, rippled_limit
 from dea.plant.signal_law import SignalLaw
 
 
@@ -337,7 +337,7 @@ EFFECTS = (
         "output_saturation", Port.OUTPUT, 0.02, 0.7, "1",
         (hyperbolic_rail, leaking_rail, overloaded_converter, paralysed_counter, overload_recovery,
          logarithmic_pixel, blocking_grid, exponential_rail, arctangent_rail, limiting_stages,
-         rippled_limit),
+         rippled_limit, cubic_clipper),
     ),
     EffectKind(
         "sensor_nonlinearity", Port.OUTPUT, 0.005, 1.5, "1",

@@ -1,4 +1,4 @@
-"""Lags of a thermometer in still air, and of a voltmeter that shows one mean after the other."""
+"""Lags of a thermometer in still air, a voltmeter, an oxygen probe and particles in a flow."""
 
 import numpy as np
 from numba import njit
@@ -7,6 +7,7 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.forms.kernels import cascade
 from dea.plant.signal_law import SignalLaw
 
 
@@ -61,3 +62,43 @@ def digital_voltmeter(size: float, conditions: Conditions, rng: Generator) -> Bu
     window = max(round(size * conditions.time / SUBSTEP) + 1, 2)
     law = SignalLaw(_shown, [window], np.zeros(4), output=True)
     return Built(law, {"lag": (window - 1) * SUBSTEP})
+
+
+@reporting("Mancy et al., J. Electroanal. Chem. 4 (1962) 65: the membrane of an oxygen probe")
+def oxygen_probe(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """What has diffused through a membrane, by thirty poles, late by ``size`` band periods.
+
+    It is x/sinh x of the concentration outside, x² being s in units of the time of diffusion.
+    """
+    mean = size * conditions.time
+    times = 1.0 / np.arange(1.0, 31.0) ** 2
+    return Built(cascade(mean * times / times.sum(), output=True), {"lag": mean})
+
+
+@njit(cache=True)
+def _dragged(c: Array, m: Array, y: Array) -> None:
+    """Follow at a rate 1 + (|error|/c[1])^0.687 over c[0] s, exactly at a held output.
+
+    m: started and value.
+    """
+    power = 0.687
+    grown = np.exp(power * SUBSTEP / c[0])
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, y[0]
+    for k in range(y.shape[0]):
+        error = y[k] - m[1]
+        more = (abs(error) / c[1]) ** power
+        m[1] = y[k] - error * ((1.0 + more) * grown - more) ** (-1.0 / power)
+        y[k] = m[1]
+
+
+@reporting("Clift et al., Bubbles, Drops, and Particles (1978): the drag of particles in a flow")
+def tracer_particles(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Particles that are seen instead of the flow: small errors lag by ``size`` band periods.
+
+    Larger ones lag less, by 1 + 0.15 Re^0.687; at an error of a travel Re is 20 to 200.
+    """
+    reynolds = rng.uniform(20.0, 200.0)
+    scale = 0.15 ** (-1.0 / 0.687) / reynolds * conditions.travel
+    law = SignalLaw(_dragged, [size * conditions.time, scale], [0.0, 0.0], output=True)
+    return Built(law, {})

@@ -60,6 +60,19 @@ def breaking_strands(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(ForceLaw(forces.CYCLES, constants), {})
 
 
+@reporting("Manson and Halford, Int. J. Fract. 17 (1981) 169: slow damage, then quick damage")
+def two_phases(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness lost is a line up to 0.3 to 0.7 of the cycles, and a steeper one from there.
+
+    The first phase takes 0.1 to 0.25 of the loss.
+    """
+    constants = [
+        conditions.stiffness, size, max(conditions.full_cycles, 1.0), rng.uniform(0.3, 0.7),
+        0.1 * conditions.travel, conditions.travel, float(damage.PHASES), rng.uniform(0.1, 0.25),
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.CYCLES, constants), {})
+
+
 @reporting(
     "Ricciardelli and Vickery, Earthq. Eng. Struct. Dyn. 28 (1999) 685: an absorber that rubs"
 )
