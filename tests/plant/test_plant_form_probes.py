@@ -1,4 +1,4 @@
-"""Hidden laws of probes, electrodes, pastes and leaks, each against another statement."""
+"""Hidden laws of probes, electrodes, pastes, leaks and echoes, each against another statement."""
 
 import numpy as np
 import pytest
@@ -213,3 +213,32 @@ def test_a_cnoidal_wave_is_jacobi_s_by_its_elliptic_integral(share):
     mean = 2.0 * np.trapezoid(np.cos(angles) ** 2, turned)
     np.testing.assert_allclose(wave, heights - mean, atol=3e-3)
     assert np.mean(wave > 0.0) < 0.5
+
+
+@EACH
+@pytest.mark.parametrize("size", [0.05, 0.6])
+def test_an_echo_is_a_ripple_of_the_spectrum(share, size):
+    made, draws = form("echoed_reading", size, share)
+    assert made.output
+    late, part = round(draws.at(2.0, 6.0) * TIME / SUBSTEP), size * draws.side()
+    pulse = through(made, np.eye(1, 8192, 1)[0])[1:] * (1.0 + part)
+    assert pulse[0] == pytest.approx(1.0)
+    assert pulse[late] == pytest.approx(part)
+    assert np.count_nonzero(pulse) == 2
+    # Bogert's cepstrum: powers of the echo over their orders, at multiples of its time.
+    cepstrum = np.fft.ifft(np.log(np.fft.fft(pulse, 65_536))).real
+    expected = [-((-part) ** n) / n for n in (1, 2, 3)]
+    np.testing.assert_allclose(cepstrum[late * np.arange(1, 4)], expected, atol=1e-6)
+    still = np.full(500, 3.0)
+    np.testing.assert_allclose(through(form("echoed_reading", size, share)[0], still), still)
+
+
+@EACH
+def test_dynamic_pressure_is_the_square_of_the_speed_and_has_no_side(share):
+    made, draws = form("dynamic_pressure", 0.01, share)
+    assert made.output
+    speeds = UNEVEN.speed * np.array([-2.0, -1.0, 1.0, 3.0])
+    path = 5.0 + np.concatenate([[0.0], np.cumsum(np.repeat(speeds, 200) * SUBSTEP)])
+    error = (through(made, path) - path)[1:].reshape(4, 200)
+    expected = 0.01 * TRAVEL * draws.side() * np.array([4.0, 1.0, 1.0, 9.0])
+    np.testing.assert_allclose(error, np.repeat(expected, 200).reshape(4, 200), rtol=1e-6)

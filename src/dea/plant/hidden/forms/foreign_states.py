@@ -7,6 +7,7 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, foreign, reporting
+from dea.plant.hidden.forms.kernels import note, noted
 from dea.plant.signal_law import SignalLaw
 
 
@@ -122,9 +123,53 @@ def shifted_gear(size: float, conditions: Conditions, rng: Generator) -> Built:
     )
 
 
+@njit(cache=True)
+def _echoed(c: Array, m: Array, y: Array) -> None:
+    """Add a share c[0] of what was there c[1] sub-steps before; m: count and a ring of the past.
+
+    What does not change is read as it is.
+    """
+    for k in range(y.shape[0]):
+        note(m, y[k])
+        y[k] = (y[k] + c[0] * noted(m, int(c[1]))) / (1.0 + c[0])
+
+
+@reporting("Bogert, Healy and Tukey, in Time Series Analysis (1963) 209: a signal with its echo")
+def echoed_reading(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A share ``size`` of the reading comes again 2 to 6 band periods later, or its negative."""
+    steps = round(rng.uniform(2.0, 6.0) * conditions.time / SUBSTEP)
+    constants = [size * rng.choice([-1.0, 1.0]), steps]
+    return Built(SignalLaw(_echoed, constants, np.zeros(2 + steps), output=True), {})
+
+
+@njit(cache=True)
+def _stagnated(c: Array, m: Array, y: Array) -> None:
+    """Add c[0] times the square of the speed; m: started and latest output."""
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, y[0]
+    for k in range(y.shape[0]):
+        speed = (y[k] - m[1]) / SUBSTEP
+        m[1] = y[k]
+        y[k] += c[0] * speed * speed
+
+
+@reporting(
+    "Prandtl and Tietjens, Applied Hydro- and Aeromechanics (1934): dynamic pressure at a gauge"
+)
+def dynamic_pressure(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A reading that is wrong with the square of its speed, by ``size`` travels at the mean speed.
+
+    It is too high or too low.
+    """
+    height = size * conditions.travel / conditions.speed**2 * rng.choice([-1.0, 1.0])
+    return Built(SignalLaw(_stagnated, [height], [0.0, 0.0], output=True), {})
+
+
 EFFECTS = (
     foreign(aperture_jitter, 0.0003, 0.3, "band periods"),
     foreign(sparking_supply, 0.01, 1.0),
     foreign(memristive_path, 0.002, 0.9),
     foreign(shifted_gear, 0.002, 0.9),
+    foreign(echoed_reading, 0.005, 0.6),
+    foreign(dynamic_pressure, 0.0003, 0.5, "travels"),
 )
