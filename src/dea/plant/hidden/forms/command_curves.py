@@ -175,9 +175,7 @@ def _gelled(c: Array, m: Array, u: Array) -> None:
         m[0] += c[2] * (1.0 - m[0]) - c[3] * u[k] * m[0]
 
 
-@reporting(
-    "Moore, Trans. Br. Ceram. Soc. 58 (1959) 470: a paste that gels at rest and thins in flow"
-)
+@tuning("Moore, Trans. Br. Ceram. Soc. 58 (1959) 470: a paste that gels at rest and thins in flow")
 def gelling_paste(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A threshold that falls to 0.5 to 0.8 while there is flow, and comes back at rest.
 

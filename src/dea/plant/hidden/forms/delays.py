@@ -256,7 +256,7 @@ def _age(period: int, late: Array) -> float:
     return age
 
 
-@reporting("Lindley, Proc. Camb. Philos. Soc. 48 (1952) 277: a queue with a single server")
+@tuning("Lindley, Proc. Camb. Philos. Soc. 48 (1952) 277: a queue with a single server")
 def queued_packets(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Samples that are held, and that wait for one another's service of random length.
 

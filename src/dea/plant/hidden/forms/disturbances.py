@@ -236,7 +236,7 @@ def rectified_sine(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(law, {"frequency": frequency})
 
 
-@reporting("Rothbart, Cams (1956): a cam that rises and falls by cycloids, and dwells")
+@tuning("Rothbart, Cams (1956): a cam that rises and falls by cycloids, and dwells")
 def cycloidal_cam(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A wave on the reading: up in 0.15 to 0.3 of the time, down in as much, and at rest below."""
     frequency, phase = _frequency(conditions, rng), rng.random()

@@ -6,14 +6,12 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 from dea.plant.hidden.forms.kernels import parallel
 from dea.plant.signal_law import SignalLaw
 
 
-@reporting(
-    "Millman and Taub, Pulse, Digital, and Switching Waveforms (1965): a divider with strays"
-)
+@tuning("Millman and Taub, Pulse, Digital, and Switching Waveforms (1965): a divider with strays")
 def stray_capacity(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A share of 0.1 to 0.35 comes at once across the resistance, the rest as a single lag.
 
@@ -41,9 +39,7 @@ def _warmed(c: Array, m: Array, u: Array) -> None:
         u[k] = m[1]
 
 
-@reporting(
-    "Doljack, IEEE Trans. Compon. Hybrids Manuf. Technol. 4 (1981) 372: a composite that warms"
-)
+@tuning("Doljack, IEEE Trans. Compon. Hybrids Manuf. Technol. 4 (1981) 372: a composite that warms")
 def warming_composite(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A lag of ``size`` band periods that becomes up to 1.5 to 3 times as long where current warms.
 

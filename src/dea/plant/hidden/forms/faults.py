@@ -173,7 +173,7 @@ def _plugged(c: Array, m: Array, y: Array) -> None:
         m[0] += SUBSTEP
 
 
-@reporting("Lipták, Instrument Engineers' Handbook (2003): a line to a gauge that is plugged")
+@tuning("Lipták, Instrument Engineers' Handbook (2003): a line to a gauge that is plugged")
 def plugged_line(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading is late from the moment on, by a lag of ``size`` band periods."""
     moment = _moment(conditions, rng)
@@ -190,7 +190,7 @@ def _blocked(c: Array, m: Array, u: Array) -> None:
         m[0] += SUBSTEP
 
 
-@reporting("Bartyś et al., Control Eng. Pract. 14 (2006) 577: a valve that no longer opens in full")
+@tuning("Bartyś et al., Control Eng. Pract. 14 (2006) 577: a valve that no longer opens in full")
 def blocked_valve(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The command is limited from the moment on, to 1 - ``size`` of its range."""
     moment, limit = _moment(conditions, rng), conditions.high - min(size, 0.9) * conditions.span

@@ -5,7 +5,7 @@ from numpy.random import Generator
 
 from dea.plant import forces
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, foreign, tuning
 
 
 @tuning(
@@ -42,7 +42,7 @@ def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})
 
 
-@reporting("Harris and Crede, Shock and Vibration Handbook (1961): a tapered pin", moving=True)
+@tuning("Harris and Crede, Shock and Vibration Handbook (1961): a tapered pin", moving=True)
 def tapered_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A dashpot that grows with a power of 2 to 4 of the place; at the top it is the largest.
 

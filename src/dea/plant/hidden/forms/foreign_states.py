@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, foreign, reporting
+from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
 from dea.plant.hidden.forms.kernels import note, noted
 from dea.plant.signal_law import SignalLaw
 
@@ -78,7 +78,7 @@ def _charged(c: Array, m: Array, u: Array) -> None:
         m[0] = min(max(m[0] + passed, 0.0), 1.0)
 
 
-@reporting("Strukov et al., Nature 453 (2008) 80: a resistance of the charge that has passed")
+@tuning("Strukov et al., Nature 453 (2008) 80: a resistance of the charge that has passed")
 def memristive_path(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A gain that the integral of the command changes by up to ``size``, between two ends.
 

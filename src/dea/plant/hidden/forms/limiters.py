@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 from dea.plant.hidden.forms.kernels import bent_above, command_curve, reading_curve
 from dea.plant.signal_law import SignalLaw
 
@@ -60,7 +60,7 @@ def limiting_stages(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(law, {"limit": limit})
 
 
-@reporting("MacColl, Fundamental Theory of Servomechanisms (1945): a limit that a ripple smooths")
+@tuning("MacColl, Fundamental Theory of Servomechanisms (1945): a limit that a ripple smooths")
 def rippled_limit(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The mean of a reading with a sine of 0.04 to 0.15 travels, cut at the limit."""
     limit = conditions.top - size * conditions.travel

@@ -5,10 +5,10 @@ from numpy.random import Generator
 
 from dea.plant import forces
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 
 
-@reporting("Fancher et al., SAE Paper 800905 (1980): leaf springs, whose loops widen with the load")
+@tuning("Fancher et al., SAE Paper 800905 (1980): leaf springs, whose loops widen with the load")
 def leaf_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that approaches one line upwards and another downwards, exponentially.
 

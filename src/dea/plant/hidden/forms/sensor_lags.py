@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 from dea.plant.hidden.forms.kernels import cascade
 from dea.plant.signal_law import SignalLaw
 
@@ -27,7 +27,7 @@ def _convected(c: Array, m: Array, y: Array) -> None:
         y[k] = m[1]
 
 
-@reporting("McAdams, Heat Transmission (1954): natural convection, a power 5/4 or 4/3")
+@tuning("McAdams, Heat Transmission (1954): natural convection, a power 5/4 or 4/3")
 def still_air(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A thermometer in still air, laminar or turbulent, slower as it comes near.
 
@@ -54,9 +54,7 @@ def _shown(c: Array, m: Array, y: Array) -> None:
         y[k] = m[2]
 
 
-@reporting(
-    "Oliver and Cage, Electronic Measurements and Instrumentation (1971): a digital voltmeter"
-)
+@tuning("Oliver and Cage, Electronic Measurements and Instrumentation (1971): a digital voltmeter")
 def digital_voltmeter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Means over windows of ``size`` band periods, each shown until the next is there."""
     window = max(round(size * conditions.time / SUBSTEP) + 1, 2)

@@ -7,7 +7,7 @@ from dea.plant import forces
 from dea.plant.force_laws import damage
 from dea.plant.force_laws.elastic import worm_force
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, reporting
+from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 
 
 @reporting("Wahl, Mechanical Springs (1963): nested springs, each longer than the next")
@@ -45,9 +45,7 @@ def filler_network(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.FILLER, constants), {})
 
 
-@reporting(
-    "Weibull, J. Appl. Mech. 18 (1951) 293: strands of a rope that break one after the other"
-)
+@tuning("Weibull, J. Appl. Mech. 18 (1951) 293: strands of a rope that break one after the other")
 def breaking_strands(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost rises as 1 - exp(-(n/N)^b) with the cycles n, b from 2 to 4.
 
