@@ -82,6 +82,37 @@ def test_what_a_periodic_input_repeats_is_no_foreign_line():
     assert set(lines(aperiodic, own)) <= set(foreign_lines(aperiodic, own))
 
 
+def few_periods(seed, period=980, lines=9):
+    """Return an input of 3.06 periods, and what a device answers to it in another way."""
+    rng = np.random.default_rng(seed)
+    orders, phases = np.arange(1, lines + 1), rng.uniform(0.0, 2.0 * np.pi, (2, lines))
+    angles = 2.0 * np.pi * np.outer(np.arange(SAMPLES) / period, orders)
+    sizes = rng.uniform(0.3, 1.0, lines)
+    return np.cos(angles + phases[0]).sum(axis=1), (sizes * np.cos(angles + phases[1])).sum(axis=1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("order", [5.25, 14.5, 43.07])
+def test_a_wave_is_told_from_an_input_of_few_periods(seed, order):
+    """No bin is far from a harmonic of the input, but the wave is not at one and stands out."""
+    u, own = few_periods(seed)
+    frequency = order / (980 * INTERVAL)
+    wave = sum(np.cos(2 * np.pi * k * frequency * T + k) / k for k in (1, 2, 3))
+    residual = 0.1 * own + 1.5 * wave + 0.05 * np.random.default_rng(seed).standard_normal(SAMPLES)
+    problem = recorded(u, residual)
+    assert problem.periods == (980,)
+    assert foreign_lines(problem, residual)[0] == pytest.approx(frequency, abs=0.2 / 60)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_few_periods_repeat_is_no_foreign_line(seed):
+    u, own = few_periods(seed)
+    bent = own + 0.1 * own**2 + 0.1 * np.random.default_rng(seed).standard_normal(SAMPLES)
+    for frequency in foreign_lines(recorded(u, bent), bent):
+        order = frequency * 980 * INTERVAL
+        assert abs(order - round(order)) > 0.15 * 980 / SAMPLES
+
+
 def test_the_period_is_that_of_each_record():
     """One excitation that is played twice is no periodic input; nor do joints hide a period."""
     hum = np.sin(2 * np.pi * 3.137 * T)

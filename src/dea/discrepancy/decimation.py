@@ -120,7 +120,7 @@ def _band(u: np.ndarray) -> float:
 
 def _spectrum(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies in cycles per sample, and the part of the variance at each."""
-    window = np.hanning(x.size)
-    power = np.abs(np.fft.rfft(window * (x - x.mean()))) ** 2
-    power[1:] *= 2.0
-    return np.fft.rfftfreq(x.size), power / (x.size * np.sum(window**2))
+    from scipy.signal import periodogram
+
+    frequency, density = periodogram(x, window="hann")
+    return frequency, density / x.size

@@ -21,6 +21,9 @@ _MOST = 4
 # Bins on either side of a line that are its own, that it spreads to at most, and that it is
 # compared with.
 _LINE, _SPREAD, _AROUND = 3, 6, 30
+# Harmonics of a periodic input that it is compared with on either side, and bins from one within
+# which it is at it.
+_HARMONICS_AROUND, _AT_HARMONIC = 10, 0.15
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
@@ -46,23 +49,43 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """Return the frequencies (Hz) of lines that are no harmonics of a periodic input.
 
-    Where the input repeats, whatever is missing repeats with it, and a wave of any shape with the
-    input's period would explain it. Elsewhere the sharpest lines come first: what the simulation
-    lacks besides is broad, and may yet be higher.
+    The sharpest lines come first: what the simulation lacks besides is broad, and may yet be
+    higher. Where the input repeats, whatever is missing repeats with it, and a wave of any shape
+    with the input's period would explain it: a sharp line stands out among harmonics of the input,
+    and is none of them; others are not even near to one.
     """
     longest = _longest(problem)
     own, period = problem.records[longest], problem.periods[longest]
     frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
     if not period:
-        sharpness = power / (_around(power) + 1e-300)
-        noise = (power <= _LEAST * power.max()) | (sharpness <= _SHARP)
-        sharp = _peaks(frequency, power, sharpness, noise)
-        if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
-            sharp.reverse()
+        sharp = _sharpest(frequency, power, power <= _LEAST * power.max(), 0)
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
-    orders = frequency * period * problem.interval
-    harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
-    return tuple(_peaks(frequency, power, power, harmonic))
+    spacing = (own.stop - own.start) / period
+
+    def harmonic(places: np.ndarray, within: float) -> np.ndarray:
+        """Return which places, in bins, are at a harmonic of the input, or near to one."""
+        result: np.ndarray = np.abs(places - spacing * np.round(places / spacing)) <= within
+        return result
+
+    at_harmonic = harmonic(_places(power), _AT_HARMONIC)
+    sharp = _sharpest(frequency, power, at_harmonic, round(spacing))
+    near = harmonic(np.arange(power.size), _BESIDE)
+    beside = _peaks(frequency, power, power, near)
+    return tuple(dict.fromkeys((*sharp, *beside)))[:_MOST]
+
+
+def _sharpest(
+    frequency: np.ndarray, power: np.ndarray, without: np.ndarray, spacing: int
+) -> list[float]:
+    """Return the frequencies of the sharpest lines, a fundamental before its harmonic."""
+    sharpness = power / (_around(power, spacing) + 1e-300)
+    without = without | (sharpness <= _SHARP)
+    sharp = _peaks(frequency, power, sharpness, without, _HARMONICS + 1)
+    if not sharp:
+        return []
+    below = (f for f in sharp[1:] if _is_harmonic(sharp[0], f, frequency[1]))
+    fundamental = min(below, default=sharp[0])
+    return list(dict.fromkeys((fundamental, *sharp)))[:_LINES]
 
 
 def _is_harmonic(line: float, fundamental: float, bin_width: float) -> bool:
@@ -71,17 +94,21 @@ def _is_harmonic(line: float, fundamental: float, bin_width: float) -> bool:
     return 1 < order <= _HARMONICS and abs(line - order * fundamental) <= _BESIDE * bin_width
 
 
-def _around(power: np.ndarray) -> np.ndarray:
+def _around(power: np.ndarray, spacing: int) -> np.ndarray:
     """Return the power of noise around each bin, but not beside it, where a line spreads to.
 
     It is the median, which other lines near by hardly change, over that of an exponential
-    distribution with a mean of one.
+    distribution with a mean of one. Where lines stand ``spacing`` bins apart, it is that of the
+    highest power within that distance.
     """
-    from scipy.ndimage import median_filter
+    from scipy.ndimage import maximum_filter1d, median_filter
 
-    there = np.ones(2 * _AROUND + 1, bool)
-    there[_AROUND - _LINE : _AROUND + _LINE + 1] = False
-    level: np.ndarray = median_filter(power, footprint=there, mode="reflect") / np.log(2.0)
+    beside, far = _LINE + spacing, _AROUND + _HARMONICS_AROUND * spacing
+    there = np.ones(2 * far + 1, bool)
+    there[far - beside : far + beside + 1] = False
+    width = 2 * spacing + 1
+    highest = median_filter(maximum_filter1d(power, width), footprint=there, mode="reflect")
+    level: np.ndarray = highest / -np.log1p(-(0.5 ** (1.0 / width)))
     return level
 
 
@@ -95,36 +122,47 @@ def _longest(problem: Problem) -> int:
 
 
 def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
-    window = np.hanning(signal.size)
-    power = np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2
-    return np.fft.rfftfreq(signal.size, interval), power
+    """Return frequencies (Hz), and the power spectral density of a signal (n,) at each."""
+    from scipy.signal import periodogram
+
+    frequency, density = periodogram(signal, 1.0 / interval, window="hann")
+    return frequency, density
 
 
 def _peaks(
-    frequency: np.ndarray, power: np.ndarray, prominence: np.ndarray, without: np.ndarray
+    frequency: np.ndarray,
+    power: np.ndarray,
+    prominence: np.ndarray,
+    without: np.ndarray,
+    count: int = _LINES,
 ) -> list[float]:
     """Return the frequencies of the highest peaks of a prominence, none of them ``without``."""
-    beside = np.pad(prominence, 1)
+    places, beside = _places(power), np.pad(prominence, 1)
     peaked = (prominence >= beside[:-2]) & (prominence >= beside[2:])
     left = np.where(without | ~peaked, 0.0, prominence)
     # The first bins hold trends, which no wave repeats.
     left[:_REPEATED] = 0.0
     found = []
-    for _ in range(_LINES):
+    for _ in range(count):
         peak = int(np.argmax(left))
         if left[peak] > 0.0:
-            found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
+            found.append(float(places[peak] * frequency[1]))
         left[max(0, peak - _SPREAD) : peak + _SPREAD + 1] = 0.0
     return found
 
 
-def _offset(power: np.ndarray, peak: int) -> float:
-    """Return how many bins the true line is from ``peak`` (parabola through the log power)."""
-    if not 0 < peak < power.size - 1:
-        return 0.0
-    left, middle, right = np.log(power[peak - 1 : peak + 2] + 1e-300)
+def _places(power: np.ndarray) -> np.ndarray:
+    """Return where a line would be, in bins, whose highest bin is each one.
+
+    That is the vertex of the parabola through the logarithm of the power there and on either side.
+    """
+    level = np.log(np.maximum(power, 1e-300))
+    left, middle, right = level[:-2], level[1:-1], level[2:]
     curvature = left - 2.0 * middle + right
-    return float(np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)) if curvature < 0 else 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beside = np.where(curvature < 0.0, 0.5 * (left - right) / curvature, 0.0)
+    result: np.ndarray = np.arange(power.size) + np.pad(np.clip(beside, -0.5, 0.5), 1)
+    return result
 
 
 def jumps(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
