@@ -35,6 +35,7 @@ from dea.simulation import (
     State,
     catalogue,
     load_extended,
+    load_simulation,
     save_extended,
 )
 from dea.store import CONTRACTS
@@ -129,7 +130,7 @@ def test_the_datasets_hold_every_input(late, tmp_path):
 @pytest.mark.slow
 def test_a_saved_extension_simulates_the_same(late, tmp_path):
     final = late.final
-    own = replace(final.extended, simulation=replace(simulation, source=two_inputs.__file__))
+    own = replace(final.extended, simulation=load_simulation(two_inputs.__file__))
     save_extended(own, final.values, INTERVAL, tmp_path / "extended.yaml")
     again, values, interval = load_extended(tmp_path / "extended.yaml")
     u = late.problem.u

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 from law_values import SCALES
 from numba import njit
 from numba.core.errors import NumbaError
@@ -575,6 +576,75 @@ def test_names_are_unique():
             parameters=(Parameter("x", "1", 1.0, 0.0),), derivative=None, output=None, drive="x",
             force_ports=(ForcePort("x", "x", None),),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (
+            {"parameters": (Parameter("output_gain", "1", 1.0, 0.1),), "drive": "output_gain"},
+            "output_gain.*is a name that the library gives",
+        ),
+        (
+            {"parameters": (Parameter("initial.x", "1", 1.0, 0.1),), "drive": "initial.x"},
+            "without a point",
+        ),
+        (
+            {"force_ports": (ForcePort("x", "x", None), ForcePort("x", "x", "x"))},
+            "two force ports are called 'x'",
+        ),
+        (
+            {"states": (State("a+b", "V", 0.0),), "force_ports": ()},
+            r"states: the name 'a\+b' holds",
+        ),
+    ],
+)
+def test_no_name_is_one_that_the_library_gives(change, told):
+    """Values are saved by name, and effects are told apart by that of their port."""
+    settings = {
+        "name": "one", "input_unit": "V", "output_unit": "V", "states": (State("x", "V", 0.0),),
+        "parameters": (Parameter("gain", "1", 1.0, 0.0),), "derivative": None, "output": None,
+        "drive": "gain", "force_ports": (),
+    }  # fmt: skip
+    with pytest.raises(InputError, match=told):
+        Simulation(**settings | change)
+
+
+def test_nothing_free_has_no_bounds():
+    own = load_simulation("mass_spring_damper")
+    known = tuple(replace(each, spread=0.0) for each in own.parameters)
+    states = tuple(replace(each, spread=0.0) for each in own.states)
+    fixed = replace(
+        own, parameters=known, states=states, output_offset_spread=0.0, output_gain_spread=0.0,
+        input_offset_spread=0.0,
+    )  # fmt: skip
+    low, high = ExtendedSimulation(fixed).bounds
+    assert low.shape == high.shape == (0,)
+
+
+def test_a_file_that_is_changed_in_memory_is_not_saved_as_that_file(tmp_path):
+    path = write_simulation(tmp_path / "own.py")
+    own = load_simulation(path)
+    extended = prepared(own, np.ones(100), DT, 1e-3)
+    save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, tmp_path / "a.yaml")
+    assert load_extended(tmp_path / "a.yaml")[0].simulation.source == str(path)
+    filtered = replace(extended, simulation=replace(own, sensor_filter=SensorFilter(2.0)))
+    values = filtered.values(np.zeros(filtered.free.size))
+    with pytest.raises(InputError, match="made or changed in memory"):
+        save_extended(filtered, values, DT, tmp_path / "b.yaml")
+
+
+@pytest.mark.parametrize("written", ["5e0", "null", "true", "'1.0'"])
+def test_a_saved_value_that_is_no_number_is_named(tmp_path, written):
+    extended = prepared(load_simulation("mass_spring_damper"), np.ones(100), DT, 1e-3)
+    path = tmp_path / "extended.yaml"
+    save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, path)
+    saved = yaml.safe_load(path.read_text())
+    name = extended.names[0]
+    value = f"value: {saved['parameters'][name]['value']}"
+    path.write_text(path.read_text().replace(value, f"value: {written}", 1))
+    with pytest.raises(InputError, match=rf"extended.yaml: parameters.{name}.value: it is"):
+        load_extended(path)
 
 
 @pytest.mark.parametrize("order", [("position", "velocity"), ("velocity", "position")])

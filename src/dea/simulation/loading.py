@@ -72,13 +72,10 @@ def load_simulation(name: str | Path) -> Simulation:
             field="simulation",
             remedy="Assign a dea.simulation.Simulation to that name",
         )
-    # Its file is how a saved extension finds it again; what is compiled stays so.
-    return replace(
-        found,
-        source=str(path),
-        derivative=found.compiled_derivative,
-        output=found.compiled_output,
-    )
+    # What is compiled stays so; its file is how a saved extension finds it again.
+    loaded = replace(found, derivative=found.compiled_derivative, output=found.compiled_output)
+    object.__setattr__(loaded, "source", str(path))
+    return loaded
 
 
 def _explained(error: InputError, path: Path) -> InputError:

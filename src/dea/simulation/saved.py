@@ -12,6 +12,7 @@ from dea.errors import InputError
 from dea.simulation.attached import Attached
 from dea.simulation.effects import catalogue
 from dea.simulation.extended import ExtendedSimulation
+from dea.simulation.interpolation import InputInterpolation
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
@@ -26,7 +27,7 @@ def save_extended(
     Raises
     ------
     InputError
-        If the simulation is neither of a file nor, unchanged, one that comes with the library.
+        If the simulation, unchanged, is neither of a file nor one that comes with the library.
     """
     import yaml
 
@@ -74,8 +75,14 @@ def _comes_with_the_library(simulation: Simulation) -> bool:
     except InputError:
         return False
     # What the input does between samples is saved.
-    alike = replace(own, input_interpolation=simulation.input_interpolation)
-    return bool(alike == simulation)
+    return _interpolated(own, simulation.input_interpolation) == simulation
+
+
+def _interpolated(simulation: Simulation, how: InputInterpolation) -> Simulation:
+    """Return a simulation whose input does that between samples; itself where it does."""
+    if simulation.input_interpolation == how:
+        return simulation
+    return replace(simulation, input_interpolation=how)
 
 
 def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
@@ -108,25 +115,13 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             for e in effects
         )
         extended = ExtendedSimulation(
-            replace(
-                load_simulation(content["simulation"]),
-                input_interpolation=content["input_interpolation"],
-            ),
+            _interpolated(load_simulation(content["simulation"]), content["input_interpolation"]),
             attached,
             tuple(Normalisation(**each) for each in content["normalisations"]),
             content["substeps"],
         )
-        own = content["parameters"]
-        for name in extended.names:
-            if name not in own:
-                raise InputError(
-                    f"it has no value of {name}, which this version of the law has",
-                    file=file,
-                    field=f"parameters.{name}",
-                    remedy="Make it again with `dea.diagnose` or the rule diagnose",
-                )
-        values = np.array([own[name]["value"] for name in extended.names])
-        return extended, values, float(content["interval"])
+        values = [_value_of(name, content["parameters"], file) for name in extended.names]
+        return extended, np.array(values), float(content["interval"])
     except InputError:
         raise
     except (AttributeError, KeyError, TypeError, ValueError) as error:
@@ -135,6 +130,27 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             file=file,
             remedy="Make it again with `dea.diagnose` or the rule diagnose",
         ) from error
+
+
+def _value_of(name: str, parameters: Mapping[str, Any], file: Path) -> float:
+    """Return the value that a file gives a parameter."""
+    field = f"parameters.{name}"
+    if name not in parameters:
+        raise InputError(
+            f"it has no value of {name}, which this version of the law has",
+            file=file,
+            field=field,
+            remedy="Make it again with `dea.diagnose` or the rule diagnose",
+        )
+    value = parameters[name]["value"]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(
+            f"it is {value!r}",
+            file=file,
+            field=f"{field}.value",
+            remedy="Give a number; YAML takes 5e0 for text, and 5.0e+0 for a number",
+        )
+    return float(value)
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -87,7 +87,8 @@ class Simulation:
     lead_in: float = 0.0
     input_interpolation: InputInterpolation = "zero"
     action: InputAction | None = None
-    source: str = field(default="", compare=False)
+    # Its file; one that is changed in memory has none.
+    source: str = field(default="", init=False, compare=False)
     input_name: str | tuple[str, ...] = "input"
     sensor_filter: SensorFilter | None = None
 
