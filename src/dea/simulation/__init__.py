@@ -2,7 +2,7 @@
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
-from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation, samples_of_each
+from dea.simulation.extended import ExtendedSimulation, samples_of_each
 from dea.simulation.files_read import files_read
 from dea.simulation.force_port import ForcePort
 from dea.simulation.inputs import Input
@@ -10,7 +10,7 @@ from dea.simulation.interpolation import InputInterpolation, at_steps
 from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
-from dea.simulation.parameter import Parameter
+from dea.simulation.parameter import TIMING_OFFSET, Parameter
 from dea.simulation.preparation import (
     measured_scales,
     motion,

@@ -17,7 +17,14 @@ from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import InputInterpolation
 from dea.simulation.normalisation import Normalisation
-from dea.simulation.parameter import Parameter, Scaling
+from dea.simulation.parameter import (
+    INPUT_OFFSET,
+    OUTPUT_GAIN,
+    OUTPUT_OFFSET,
+    TIMING_OFFSET,
+    Parameter,
+    Scaling,
+)
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import UNFILTERED
 from dea.simulation.shaped_input import ShapedInput
@@ -28,8 +35,6 @@ from dea.units import product
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
-INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET = "input_offset", "output_gain", "output_offset"
-TIMING_OFFSET = "timing_offset"
 
 
 def samples_of_each(lengths: Sequence[int]) -> list[slice]:
@@ -161,7 +166,7 @@ class ExtendedSimulation:
         The simulation's own parameters stay within a few spreads of their prior: larger changes
         of known parameters would make up for a missing effect.
         """
-        pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free])
+        pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free]).reshape(-1, 2)
         own = ~self.of_laws
         pairs[own] = np.clip(pairs[own], -_REACH, _REACH)
         return pairs[:, 0], pairs[:, 1]
@@ -170,6 +175,17 @@ class ExtendedSimulation:
     def _laws_from(self) -> int:
         """Where in ``values`` the effects' parameters begin."""
         return len(self.parameters) - sum(len(a.parameters) for a in self.attached)
+
+    @cached_property
+    def _of_sensor(self) -> slice:
+        """Where in ``values`` gain, offset and timing of the sensor are."""
+        return slice(self._laws_from - 3, self._laws_from)
+
+    @cached_property
+    def _of_inputs(self) -> slice:
+        """Where in ``values`` the constants are that are added to the inputs."""
+        end = self._of_sensor.start
+        return slice(end - len(self.simulation.inputs), end)
 
     @cached_property
     def of_laws(self) -> np.ndarray:
@@ -419,15 +435,14 @@ class ExtendedSimulation:
                 field="u",
                 remedy="Give the inputs of the simulation, in its order, as the columns of u",
             )
-        first = self._laws_from - 3 - len(inputs)
-        return [each + values[first + k] for k, each in enumerate(inputs)]
+        return [each + added for each, added in zip(inputs, values[self._of_inputs], strict=True)]
 
     def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
         """Return the sensor's reading of an output, shape (n,)."""
         if self.records > 1:
             parts = [self.alone.read(output[p], own, interval) for p, own in self.each(values)]
             return np.concatenate(parts)
-        gain, offset, late = values[self._laws_from - 3 : self._laws_from]
+        gain, offset, late = values[self._of_sensor]
         y: np.ndarray = gain * shifted(output, late / interval) + offset
         t = np.arange(y.size) * interval
         for a, q in self.laws(values):
@@ -438,7 +453,7 @@ class ExtendedSimulation:
     @cached_property
     def only_read(self) -> np.ndarray:
         """Which free coordinates change the reading alone, and not the motion."""
-        sensing = {self._laws_from - 3, self._laws_from - 2, self._laws_from - 1}
+        sensing = set(range(self._of_sensor.start, self._of_sensor.stop))
         for a, own in zip(self.attached, self.effect_slices, strict=True):
             if a.effect.only_reads:
                 sensing.update(range(own.start, own.stop))
@@ -459,8 +474,8 @@ class ExtendedSimulation:
     @cached_property
     def shaping(self) -> np.ndarray:
         """Indices of the ``values`` that change the input, its action, or the drive."""
-        own, first = self.simulation, self._laws_from - 3 - len(self.simulation.inputs)
-        parts = [range(first, first + len(own.inputs))]
+        own = self.simulation
+        parts = [range(self._of_inputs.start, self._of_inputs.stop)]
         parts += [range(len(own.parameters))] if own.action is not None else []
         for a, law in zip(self.attached, self.effect_slices, strict=True):
             if a.effect.shape_input is not None or a.effect.scale_drive is not None:

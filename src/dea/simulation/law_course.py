@@ -8,8 +8,8 @@ from numba import float64, njit, types
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Family, Port
-from dea.simulation.extended import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.extended import ExtendedSimulation as Extended
+from dea.simulation.parameter import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR, first_class
 from dea.simulation.timing import shifted
 

@@ -8,6 +8,12 @@ import numpy as np
 
 from dea.errors import InputError
 
+# Names of the parameters that every simulation has besides its own. Those of one of several inputs,
+# of a state at the start and of a law have a point in their names.
+INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET = "input_offset", "output_gain", "output_offset"
+TIMING_OFFSET = "timing_offset"
+GIVEN = (INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET)
+
 
 @dataclass(frozen=True)
 class Parameter:

@@ -1,6 +1,7 @@
 """What makes a simulation one that can be run."""
 
 import inspect
+from collections.abc import Sequence
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from dea.simulation.equations import beyond, raising, returning
 from dea.simulation.force_port import ForcePort
 from dea.simulation.inputs import RESERVED, each_of
 from dea.simulation.interpolation import INTERPOLATIONS
+from dea.simulation.parameter import GIVEN
 
 if TYPE_CHECKING:
     from dea.simulation.simulation import Simulation
@@ -23,12 +25,7 @@ def check(simulation: "Simulation") -> None:
     InputError
         Naming the first part that does not.
     """
-    names = [state.name for state in simulation.states] + [p.name for p in simulation.parameters]
-    doubled = sorted({name for name in names if names.count(name) > 1})
-    if doubled:
-        raise simulation.error(
-            f"two states or parameters are called {doubled[0]!r}", "parameters", "Rename one"
-        )
+    _check_names(simulation)
     _check_inputs(simulation)
     _check_numbers(simulation)
     known = ", ".join(simulation.parameter_names)
@@ -72,6 +69,39 @@ def check(simulation: "Simulation") -> None:
         )
 
 
+def _check_names(simulation: "Simulation") -> None:
+    """Check that names are unique, and that none is one that the library gives."""
+    states, parameters = simulation.state_names, simulation.parameter_names
+    ports = tuple(port.name for port in simulation.force_ports)
+    told_apart = "Leave one out: ports are told apart by the equations that they act on"
+    for what, field, names, remedy in (
+        ("states or parameters", "parameters", (*states, *parameters), "Rename one"),
+        ("force ports", "force_ports", ports, told_apart),
+    ):
+        doubled = sorted({name for name in names if names.count(name) > 1})
+        if doubled:
+            raise simulation.error(f"two {what} are called {doubled[0]!r}", field, remedy)
+    for name in parameters:
+        if name in GIVEN or "." in name:
+            raise simulation.error(
+                f"{name!r} is a name that the library gives",
+                f"parameters.{name}",
+                f"Choose one without a point, and none of {', '.join(GIVEN)}",
+            )
+    _check_separators(simulation, "states", states)
+    _check_separators(simulation, "input_name", each_of(simulation.input_name))
+
+
+def _check_separators(simulation: "Simulation", field: str, names: Sequence[str]) -> None:
+    for name in names:
+        if any(character in name for character in RESERVED):
+            raise simulation.error(
+                f"the name {name!r} holds one of {' '.join(RESERVED)}",
+                field,
+                "Leave these out: they separate effects and their places",
+            )
+
+
 def _check_inputs(simulation: "Simulation") -> None:
     """Check that every input has what belongs to it."""
     several = isinstance(simulation.input_unit, tuple)
@@ -99,13 +129,6 @@ def _check_inputs(simulation: "Simulation") -> None:
                 f"two inputs have {max(names, key=names.count)!r}",
                 role,
                 "Give each its own" + ", or name one drive for all" * (role == "drive"),
-            )
-    for name in each_of(simulation.input_name):
-        if any(character in name for character in RESERVED):
-            raise simulation.error(
-                f"the name {name!r} holds one of {' '.join(RESERVED)}",
-                "input_name",
-                "Leave these out: they separate effects and their places",
             )
     if several and simulation.action is not None:
         raise simulation.error(
