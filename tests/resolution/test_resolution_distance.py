@@ -35,7 +35,7 @@ def explanation(effect, law, spread=0.02):
         values = np.concatenate([values, law, rest])
     own = whole.own_of_records
     deviation = np.where(own, 1.0, spread)
-    return Explanation(whole, whole.coordinates(values), np.diag(deviation**2))
+    return Explanation(whole, whole.coordinates(values), np.diag(deviation))
 
 
 def distance(truth, rival, u, error=ERROR):
@@ -46,7 +46,7 @@ def distance(truth, rival, u, error=ERROR):
 def refitted(truth, rival, u):
     """Return what a search without derivatives leaves of the difference, with the belief's cost."""
     goal = truth.simulated(u, INTERVAL)
-    deviation = np.sqrt(np.diag(rival.covariance))
+    deviation = rival.deviations
 
     def cost(step):
         x = rival.mean + deviation * step
@@ -76,7 +76,7 @@ def test_distance_of_an_explanation_to_itself_is_zero_and_grows_with_what_is_kno
     u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 12), 25)
     lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
     assert distance(lag, lag, u) == 0.0
-    surer = replace(late, covariance=1e-4 * late.covariance)
+    surer = replace(late, root=1e-2 * late.root)
     assert distance(lag, surer, u) > distance(lag, late, u) > 0.0
     assert nested(lag, explanation(None, []))
     assert not nested(lag, late)

@@ -1,6 +1,8 @@
 """The predictive density of a record, where the search for its peak is not easy."""
 
 from dataclasses import replace
+from decimal import Decimal, localcontext
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,14 +26,14 @@ def without_effects():
     extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
     size = extended.free.size
     deviation = np.where(extended.own_of_records, 1.0, 0.02)
-    explanation = Explanation(extended, np.zeros(size), np.diag(deviation**2))
+    explanation = Explanation(extended, np.zeros(size), np.diag(deviation))
     y = hidden("sensor_lag", [0.06, 0.9, 0.0])(u, 1)["output"].values
     return explanation, Samples(u, y, INTERVAL)
 
 
 def test_the_peak_is_the_one_that_a_search_without_derivatives_finds():
     explanation, record = without_effects()
-    deviation = np.sqrt(np.diag(explanation.covariance))
+    deviation = explanation.deviations
 
     def cost(step):
         values = explanation.extended.values(explanation.mean + deviation * step)
@@ -89,3 +91,56 @@ def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
         within = found.covariance[np.ix_(shared, shared)]
         distances.append(off @ np.linalg.solve(within, off) / off.size)
     assert np.mean(distances) == pytest.approx(1.0, abs=0.3)
+
+
+@pytest.mark.parametrize("relative", [1e-2, 1e-4])
+def test_the_root_of_a_quiet_sensor_is_that_of_its_covariance(relative):
+    """The condition of the normal equations is up to 1e13; decimals tell the covariance."""
+    rng = np.random.default_rng(1)
+    k, n = 6, 300
+    slopes = rng.standard_normal((n, k)) * np.logspace(0.0, -4.0, k) / relative
+    slopes[:, 1] = slopes[:, 0] + 1e-4 * slopes[:, 1]
+    extended = prepared(CARRIAGE, np.ones(n), INTERVAL, 1e-5)
+    names = [f"parameter_{i}" for i in range(k)]
+    simulation = SimpleNamespace(
+        alone=SimpleNamespace(
+            free=np.arange(k), names=names, bounds=(np.full(k, -9.0), np.full(k, 9.0)),
+            as_recorded=extended,
+        ),
+        own_of_records=np.zeros(k, bool), names=names, free=np.arange(k),
+    )  # fmt: skip
+    found = SimpleNamespace(
+        extended=simulation, jacobian=slopes, coordinates=np.zeros(k), records=[slice(0, n)]
+    )
+    problem = SimpleNamespace(seen=np.ones(n, bool), noise=1.0)
+    error = Error(1.0, 0.5, 25.0)
+    belief = explanation_of(found, problem, error)
+    with localcontext() as context:
+        context.prec = 60
+        exact = decimal_sandwich(slopes, error.spread(slopes))
+    np.testing.assert_allclose(belief.deviations, np.sqrt(np.diag(exact)), rtol=1e-6)
+    whitened = np.linalg.solve(belief.root, np.linalg.solve(belief.root, exact).T)
+    np.testing.assert_allclose(whitened, np.eye(k), atol=1e-5)
+
+
+def decimal_sandwich(slopes, spread):
+    """Return A⁻¹ (SᵀS + I) A⁻¹ with A = JᵀJ + I, by elimination in decimals."""
+    exact = [
+        np.array([[Decimal(float(x)) for x in row] for row in each]) for each in (slopes, spread)
+    ]
+    k = slopes.shape[1]
+    one = np.array([[Decimal(int(i == j)) for j in range(k)] for i in range(k)])
+    J, S = exact
+    inverse = eliminated(J.T @ J + one, one)
+    return (inverse @ (S.T @ S + one) @ inverse.T).astype(float)
+
+
+def eliminated(A, B):
+    """Return the solution of A X = B by Gauss and Jordan; A is positive definite."""
+    A, B = A.copy(), B.copy()
+    for i in range(len(A)):
+        B[i], A[i] = B[i] / A[i, i], A[i] / A[i, i]
+        for j in range(len(A)):
+            if j != i:
+                B[j], A[j] = B[j] - A[j, i] * B[i], A[j] - A[j, i] * A[i]
+    return B

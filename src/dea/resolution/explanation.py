@@ -24,12 +24,14 @@ class Explanation:
     Parameters
     ----------
     mean : (k,)
-    covariance : (k, k)
+    root : (k, k)
+        Lower triangular root of the covariance. The covariance itself, of a quiet sensor, may have
+        none in floating point.
     """
 
     extended: ExtendedSimulation
     mean: np.ndarray
-    covariance: np.ndarray
+    root: np.ndarray
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -46,10 +48,15 @@ class Explanation:
         """How often it holds each effect, by name: a stop may act at two places."""
         return Counter(a.effect.name for a in self.extended.attached)
 
-    @cached_property
-    def root(self) -> np.ndarray:
-        """Lower triangular root (k, k) of the covariance."""
-        return np.linalg.cholesky(self.covariance)
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance (k, k) of the coordinates."""
+        return self.root @ self.root.T
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Standard deviations (k,) of the coordinates."""
+        return np.linalg.norm(self.root, axis=1)
 
     def simulated(self, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the output (n,) that the mean predicts; NaN where it diverges."""
@@ -63,13 +70,16 @@ class Explanation:
         J = sensitivities(problem, self.extended, self.mean, residual, every)
         return -residual, -J
 
-    def informed(self, mean: np.ndarray, precision: np.ndarray) -> "Explanation":
-        """Return it with what a further record told, whose own coordinates are forgotten."""
+    def informed(self, mean: np.ndarray, slope: np.ndarray) -> "Explanation":
+        """Return it with what a further record told, whose own coordinates are forgotten.
+
+        With the ``slope`` S (n, k) of all that was minimised, SᵀS is the precision.
+        """
         own = self.extended.own_of_records
-        shared = np.ix_(~own, ~own)
-        covariance = np.eye(mean.size)
-        covariance[shared] = np.linalg.inv(precision)[shared]
-        return Explanation(self.extended, np.where(own, 0.0, mean), covariance)
+        apart = _inverse(np.linalg.qr(slope, mode="r"))
+        root = np.eye(mean.size)
+        root[np.ix_(~own, ~own)] = _lower(apart[~own])
+        return Explanation(self.extended, np.where(own, 0.0, mean), root)
 
 
 def as_problem(record: Samples) -> Problem:
@@ -85,23 +95,36 @@ def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     The fit takes the noise for white, and sees a part of the samples. With its Jacobian J there in
     units of that noise, A = JᵀJ + I, and the covariance Ω of the ``error`` of each record in the
     same units, the covariance of its coordinates is A⁻¹ (JᵀΩJ + I) A⁻¹ (White 1982, Econometrica
-    50:1, with the prior's share).
+    50:1, with the prior's share). No product with a transpose is formed, which would square the
+    condition.
     """
     joint = fitted.extended
     alone = joint.alone
     J = np.where(problem.seen[:, None], fitted.jacobian, 0.0) / problem.noise
-    curvature = J.T @ J + np.eye(fitted.coordinates.size)
-    scatter = np.eye(fitted.coordinates.size)
-    for part in fitted.records:
-        spread = error.spread(J[part]) / problem.noise
-        scatter += spread.T @ spread
-    joint_covariance = np.linalg.solve(curvature, np.linalg.solve(curvature, scatter).T)
+    prior = np.eye(fitted.coordinates.size)
+    spreads = [error.spread(J[part]) / problem.noise for part in fitted.records]
+    scatter = np.linalg.qr(np.vstack([*spreads, prior]), mode="r")
+    inverse = _inverse(np.linalg.qr(np.vstack([J, prior]), mode="r"))
+    joint_root = inverse @ inverse.T @ scatter.T
     own = joint.own_of_records
     places = {joint.names[i]: k for k, i in enumerate(joint.free) if not own[k]}
     kept = [k for k, i in enumerate(alone.free) if alone.names[i] in places]
     of_joint = [places[alone.names[alone.free[k]]] for k in kept]
-    mean, covariance = np.zeros(alone.free.size), np.eye(alone.free.size)
+    mean, root = np.zeros(alone.free.size), np.eye(alone.free.size)
     mean[kept] = fitted.coordinates[of_joint]
-    covariance[np.ix_(kept, kept)] = joint_covariance[np.ix_(of_joint, of_joint)]
+    root[np.ix_(kept, kept)] = _lower(joint_root[of_joint])
     low, high = alone.bounds
-    return Explanation(alone.as_recorded, np.clip(mean, low, high), covariance)
+    return Explanation(alone.as_recorded, np.clip(mean, low, high), root)
+
+
+def _inverse(upper: np.ndarray) -> np.ndarray:
+    """Return the inverse of an upper triangular matrix (k, k)."""
+    from scipy.linalg import solve_triangular
+
+    result: np.ndarray = solve_triangular(upper, np.eye(len(upper)))
+    return result
+
+
+def _lower(root: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root (m, m) of what any ``root`` (m, k) is one of."""
+    return np.linalg.qr(root.T, mode="r").T

@@ -62,13 +62,13 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
     start = next((x for x in starts if np.isfinite(residual(x)).all()), None)
     if start is None:
         return Predicted(-np.inf, explanation)
-    scales = np.sqrt(np.diag(explanation.covariance))
+    scales = explanation.deviations
     found = least_squares(
         cost, start, jac=slope, bounds=(low, high), x_scale=scales, max_nfev=_ITERATIONS
     )
     J = found.jac[:samples]
-    JL = J @ L
-    _, spread = np.linalg.slogdet(np.eye(every.size) + JL.T @ JL)
+    # |I + L'J'JL| is the square of the determinant of the triangle of this.
+    grown = np.linalg.qr(np.vstack([J @ L, np.eye(every.size)]), mode="r")
+    spread = 2.0 * float(np.sum(np.log(np.abs(np.diag(grown)))))
     total = 2.0 * found.cost + spread + error.log_determinant(known) + samples * np.log(2 * np.pi)
-    precision = J.T @ J + precise.T @ precise
-    return Predicted(-0.5 * float(total), explanation.informed(found.x, precision))
+    return Predicted(-0.5 * float(total), explanation.informed(found.x, found.jac))
