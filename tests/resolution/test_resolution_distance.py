@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from dea.discrepancy import Samples
 from dea.excitation import KINDS
-from dea.resolution.design import Forms, Question, designed, fixed_forms
+from dea.resolution.design import Design, Forms, Question, designed, fixed_forms
 from dea.resolution.distance import expected, nested, squared_distance
 from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation
@@ -121,6 +121,28 @@ def test_an_explanation_without_probability_changes_no_judgement():
     u = np.repeat(np.random.default_rng(7).uniform(-1.0, 1.0, 12), 25)
     assert three.judged(u, "free").log_bound == pytest.approx(two.judged(u, "free").log_bound)
     assert set(three.judged(u, "free").closest) == {"sensor_lag", "transport_delay"}
+
+
+def test_what_is_left_is_told_apart_from_each_of_the_others():
+    """Two that were rejected may be close; that is settled."""
+    each = [explanation(*law) for law in (
+        ("sensor_lag", [0.06, 0.9, 0.0]), ("transport_delay", [0.05]), ("electrode_lag", [0.04]),
+    )]  # fmt: skip
+    every = Question(each, [1 / 3] * 3, explanation(None, []), AS_SEEN, LIMITS, 0.0)
+    assert len(every.pairs) == 3
+    assert sorted(replace(every, tested="sensor_lag").pairs) == [(0, 1), (0, 2)]
+
+
+def test_a_longer_excitation_that_is_worse_replaces_none(monkeypatch):
+    """Fewer of a longer duration are tried."""
+    bounds = iter([-2.0, -1.5, -1.0])
+
+    def found(_, duration, *__):
+        return Design(np.zeros(round(duration)), next(bounds), ("a", "b"), 4.0, "free")
+
+    monkeypatch.setattr("dea.resolution.design._of_duration", found)
+    chosen = designed(None, (10.0, 120.0), 0.01, np.random.default_rng(0))
+    assert (chosen.log_bound, next(bounds, None)) == (-2.0, None)
 
 
 @pytest.mark.parametrize("duration", [21.3, 73.3, 81.1, 100.6])

@@ -210,6 +210,9 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     found, _ = solved(lambda u, seed: as_record(u, u))
     assert (found.outcome, found.rounds, found.pending) == (ResolutionOutcome.OPEN, (), None)
     assert "Raise `resolution.output_margin`" in said("carriage", found)
+    monkeypatch.setattr(verdict, "status", "none")
+    found, _ = solved(lambda u, seed: as_record(u, u))
+    assert "Nothing is missing by the first records" in said("carriage", found)
     monkeypatch.setattr(knowledge.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
     monkeypatch.setattr(rounds, "transferable", lambda extended: True)
     nowhere = SimpleNamespace(design=lambda number, records, make: None)
@@ -217,6 +220,22 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     found = rounds._certified(decided, nowhere, INQUIRY)
     assert (found.certificate, found.pending) == (None, None)
     assert "not certified: no excitation was found" in said("carriage", found)
+
+
+def test_a_record_that_is_still_to_be_made_leaves_what_was_decided(monkeypatch):
+    from dea.resolution import rounds
+
+    part = SimpleNamespace(
+        outcome=lambda level: ResolutionOutcome.PART, verdict=SimpleNamespace(status="named"),
+        records=(),
+    )  # fmt: skip
+    by_hand = SimpleNamespace(
+        design=lambda number, records, make: SimpleNamespace(u=np.zeros(3)),
+        record=lambda number, u: None,
+    )
+    monkeypatch.setattr(rounds, "begun", lambda *arguments: part)
+    found = rounds.resolve((), CARRIAGE, by_hand, None)
+    assert (found.outcome, found.pending) == (ResolutionOutcome.PART, 1)
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,8 @@ class Question:
 
     The ``probabilities`` are relative to these explanations, so that they sum to one.
     ``alone`` is the simulation without effects, which says how large the effects are; ``middle``
-    is the input to which an excitation is drawn.
+    is the input to which an excitation is drawn. Where the one ``tested`` is left, which is the name
+    of an explanation, it is to be told apart from each of the others, which are not from each other.
     """
 
     explanations: Sequence[Explanation]
@@ -98,6 +99,7 @@ class Question:
     error: LawError
     limits: Limits
     middle: float
+    tested: str = ""
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:
@@ -109,6 +111,7 @@ class Question:
         found = [
             (i, j) if len(a.labels) >= len(b.labels) else (j, i)
             for (i, a), (j, b) in combinations(enumerate(self.explanations), 2)
+            if not self.tested or self.tested in (a.name, b.name)
         ]
         apart = [(i, j) for i, j in found if not self._nested(i, j)]
         return apart or found
@@ -185,7 +188,7 @@ def designed(
     rng: np.random.Generator,
     forms: Forms = Forms.FREE,
 ) -> Design | None:
-    """Return the shortest excitation that is expected to decide, or the best of the longest.
+    """Return the shortest excitation that is expected to decide, or the best of all durations.
 
     Parameters
     ----------
@@ -200,12 +203,19 @@ def designed(
         None where no excitation keeps the predicted outputs in their range.
     """
     shortest, longest = durations
-    best = None
+    best: Design | None = None
     for duration in sorted({max(shortest, part * longest) for part in _PARTS}):
-        best = _of_duration(question, duration, rng, forms) or best
+        best = _better(best, _of_duration(question, duration, rng, forms))
         if best is not None and best.log_bound <= np.log(needed):
             break
     return best
+
+
+def _better(first: Design | None, second: Design | None) -> Design | None:
+    """Return the design that tells apart better, the first of equals."""
+    if first is None or second is None:
+        return first or second
+    return second if second.log_bound < first.log_bound else first
 
 
 def _of_duration(
@@ -225,9 +235,7 @@ def _of_duration(
     if forms is Forms.RANDOM:
         return best
     for kind, u in fixed_forms(duration, question.limits, int(rng.integers(2**31))):
-        tried = question.judged(u, kind)
-        if tried is not None and (best is None or tried.log_bound < best.log_bound):
-            best = tried
+        best = _better(best, question.judged(u, kind))
     return best
 
 

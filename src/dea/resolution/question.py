@@ -1,6 +1,7 @@
 """Which record to drive next, and which to certify on."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,11 +29,12 @@ def next_design(known: Knowledge, inquiry: Inquiry, number: int) -> Design | Non
     logs = known.posterior.log_now
     asked = likeliest([known.explanations[name] for name in sorted(left)], logs)
     weights = np.array([logs[each.name] for each in asked])
+    tested = ""
     if len(asked) < 2:
-        # The one that is left is tested against each of those that were rejected.
+        tested = asked[0].name if asked else ""
         asked = likeliest(list(known.explanations.values()), logs)
         weights = np.zeros(len(asked))
-    question = _question(known, asked, weights, inquiry.limits)
+    question = replace(_question(known, asked, weights, inquiry.limits), tested=tested)
     durations = _shortest(known, inquiry), options.duration
     rng = _generator(inquiry.settings, number)
     return designed(question, durations, options.level, rng, options.forms)

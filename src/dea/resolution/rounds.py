@@ -137,6 +137,7 @@ def resolve(
     undecided = (ResolutionOutcome.OPEN, ResolutionOutcome.PART)
     while known.outcome(options.level) in undecided and len(rounds) < options.records:
         if not rounds and known.verdict.status == Status.NONE:
+            halted = "Nothing is missing by the first records, so that none is designed"
             break
         number = len(rounds) + 1
         make = partial(next_design, known, inquiry, number)
@@ -146,7 +147,8 @@ def resolve(
             break
         record = source.record(number, design.u)
         if record is None:
-            return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
+            so_far = known.outcome(options.level)
+            return Resolution(first, tuple(rounds), so_far, pending=number)
         with part_of(f"record {number}"):
             after, log_densities = learnt(known, record, inquiry)
         rounds.append(ResolutionRound(number, design, log_densities, known, after))
