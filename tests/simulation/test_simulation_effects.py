@@ -569,6 +569,25 @@ def creep(**changed):
     return q, 0.05 * np.array(BRANCHES) * 0.8 ** np.arange(8), np.geomspace(2 * DT, 80.0, 8)
 
 
+@pytest.mark.parametrize("tilt", [-1.0, -0.9, 0.9, 1.0])
+@pytest.mark.parametrize("duhem", [0.0, 1.0])
+def test_hysteresis_beyond_the_range_of_a_record_never_drives_the_motion(tilt, duhem):
+    """A designed excitation may move the device to where loops that shrink have vanished."""
+    q = values(
+        "rate_independent_hysteresis", stiffness=1.0, largest_radius=0.3, tilt=tilt, middle=0.0,
+        half_range=1.0, start_position=-2.0, duhem_part=duhem,
+    )  # fmt: skip
+    swing = 0.2 * np.sin(2.0 * np.pi * np.arange(2001) / 500)
+    work = []
+    for place in np.linspace(-1.8, 1.8, 13):
+        path = place + swing
+        found = forces("rate_independent_hysteresis", q, path)[-501:]
+        middle = 0.5 * (found[1:] + found[:-1])
+        work.append(-np.sum(middle * np.diff(path[-501:])))
+    assert min(work) >= -1e-12
+    assert max(work) > 0.01
+
+
 @pytest.mark.parametrize("exponent", [0.0, 1.0, -0.6])
 def test_creep_follows_the_equations_of_a_generalised_maxwell_body(exponent):
     """With dashpots that flow as a power of the stress (Norton) from a stretch on."""

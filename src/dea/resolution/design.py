@@ -89,8 +89,8 @@ class Question:
 
     The ``probabilities`` are relative to these explanations, so that they sum to one.
     ``alone`` is the simulation without effects, which says how large the effects are; ``middle``
-    is the input to which an excitation is drawn. Where the one ``tested`` is left, which is the name
-    of an explanation, it is to be told apart from each of the others, which are not from each other.
+    is the input to which an excitation is drawn. Where one explanation is left, its name is
+    ``tested``: it is to be told apart from each of the others, and these not from each other.
     """
 
     explanations: Sequence[Explanation]

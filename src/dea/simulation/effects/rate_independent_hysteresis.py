@@ -15,12 +15,13 @@ OPERATORS = 11
 def _growth(z: float, q: np.ndarray) -> float:
     """Return the factor on the stop operators at a position: larger at one end, or at both.
 
-    Or smaller at both, where the material saturates.
+    Or smaller at both, where the material saturates. Where it would be negative there are no loops:
+    a force of the wrong sign would drive the motion.
     """
     place = min(max((z - q[7]) / q[8], -2.0), 2.0)
     if q[5] < 0.0:
-        return float((1.0 + q[4] * place) / (1.0 - q[5] * place * place))
-    return float(1.0 + q[4] * place + q[5] * place * place)
+        return float(max(1.0 + q[4] * place, 0.0) / (1.0 - q[5] * place * place))
+    return float(max(1.0 + q[4] * place + q[5] * place * place, 0.0))
 
 
 @njit(float64(int64, VECTOR), cache=True, error_model="numpy")
