@@ -53,6 +53,16 @@ def test_modules_and_files_of_the_user_alone_are_seen(project):
     assert read - {Path("mine/simulation.py")} == {*helpers, project / "shapes_elsewhere.py"}
 
 
+def test_a_helper_is_seen_and_read_anew_whenever_its_simulation_is_loaded(project):
+    with files_read() as first:
+        load_simulation("mine/simulation.py")
+    Path("mine/rates_of_mine.py").write_text("RATE = 2.0\nEDITED = True\n")
+    with files_read() as again:
+        load_simulation("mine/simulation.py")
+    assert again == first
+    assert sys.modules["rates_of_mine"].EDITED
+
+
 def test_a_job_keeps_what_its_simulation_reads(project, monkeypatch):
     monkeypatch.setenv(provenance.JOB, "results/a/log/diagnose.log")
     monkeypatch.setenv(provenance.RULE, "diagnose")

@@ -15,6 +15,7 @@ _INSTALLED = [
     Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib", "purelib", "platlib")
 ]
 _opened: list[set[Path]] = []  # one set for each block that is watched now
+_own: set[str] = set()  # modules of a user's that were imported in a block before
 
 
 @contextmanager
@@ -23,9 +24,10 @@ def files_read() -> Iterator[set[Path]]:
 
     Modules count wherever they are, other files below the working folder; those of this package and
     of installed ones do not, nor does what a C library opens. Below the working folder, paths are
-    relative.
+    relative. A module of a user's is imported anew in every block, so that each sees it as it is.
     """
     _watch()
+    before = {name: sys.modules.pop(name) for name in _own & set(sys.modules)}
     imported, here = set(sys.modules), Path.cwd()
     opened, found = set[Path](), set[Path]()
     _opened.append(opened)
@@ -34,16 +36,25 @@ def files_read() -> Iterator[set[Path]]:
     finally:
         # Sets that hold the same are equal.
         _opened[:] = [other for other in _opened if other is not opened]
-    loaded = [module for name, module in sys.modules.items() if name not in imported]
-    # A namespace has no file.
-    sources = [file for module in loaded if (file := getattr(module, "__file__", None))]
-    files = [Path(os.path.abspath(file)) for file in sources]
-    files += [file for file in opened if file.is_relative_to(here)]
-    for file in files:
-        cached = "__pycache__" in file.parts
-        known = any(map(file.is_relative_to, (_PACKAGE, *_INSTALLED)))
-        if file.is_file() and not cached and not known:
+        loaded = {
+            name: Path(os.path.abspath(file))
+            for name, module in sys.modules.items()
+            # A namespace has no file.
+            if name not in imported and (file := getattr(module, "__file__", None))
+        }
+        for name, module in before.items():
+            sys.modules.setdefault(name, module)
+    _own.update(name for name, file in loaded.items() if _is_own(file))
+    for file in (*loaded.values(), *(file for file in opened if file.is_relative_to(here))):
+        if _is_own(file):
             found.add(file.relative_to(here) if file.is_relative_to(here) else file)
+
+
+def _is_own(file: Path) -> bool:
+    """Return whether a file is a user's."""
+    cached = "__pycache__" in file.parts
+    known = any(map(file.is_relative_to, (_PACKAGE, *_INSTALLED)))
+    return file.is_file() and not cached and not known
 
 
 @cache
