@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from made_devices import LIMITS
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
-from dea.resolution import Design, experiment_page
+from dea.resolution import Design, by_hand, experiment_page
 from dea.resolution.by_hand import plays
 from dea.resolution.excitation import express, genes
 
@@ -63,3 +64,21 @@ def test_an_input_may_be_a_sample_late_however_fast_it_moves(shift):
         played = np.roll(u, shift)
         assert plays(played, u)
         assert not plays(express(rng.random(genes()), 20.0, wide), u)
+
+
+@pytest.mark.parametrize(
+    ("described", "remedy"),
+    [
+        ({}, "`rows: [50, 350]`"),
+        ({"rows": (200, 900)}, "`rows: [250, 550]`"),
+        ({"rows": (-900, -1)}, "`rows`, the numbers of its rows from 1 to 7 s"),
+        ({"resample": 0.02}, "`rows`, the numbers of its rows from 1 to 7 s"),
+    ],
+)
+def test_rows_that_begin_with_the_excitation_are_those_of_the_file(described, remedy):
+    """Samples are counted after `rows` and `resample`, rows before these."""
+    asked = np.sin(2 * np.pi * (np.arange(300) / 150) ** 2)
+    u = np.concatenate([np.full(50, asked[0]), asked, np.zeros(9)])
+    found = SimpleNamespace(u=u, y=np.zeros(u.size), sampling_rate=50.0)
+    told = SimpleNamespace(**({"rows": None, "resample": None} | described))
+    assert by_hand._mistake(found, asked, 50.0, told)[1].endswith(remedy)

@@ -10,6 +10,7 @@ import numpy as np
 
 from dea import store
 from dea.configuration.case import DESIGNED, Case
+from dea.configuration.record import RecordFile
 from dea.discrepancy import SAME_INTERVAL
 from dea.errors import InputError
 from dea.resolution.design import Design
@@ -73,7 +74,8 @@ class ByHand(Kept):
         if not self.recorded(number):
             return None
         found = store.read_record(self.file(number))
-        if mistake := _mistake(store.signals(found), u, self.limits.sampling_rate):
+        described = self.case.records[record_key(number)]
+        if mistake := _mistake(store.signals(found), u, self.limits.sampling_rate, described):
             problem, remedy = mistake
             raise InputError(
                 f"its input is not the excitation of {self.folder_of(number) / 'excitation.csv'}"
@@ -184,10 +186,13 @@ def plays(played: np.ndarray, asked: np.ndarray) -> bool:
     return any(_off(played, asked, shift) <= allowed for shift in range(-_LATE, _LATE + 1))
 
 
-def _mistake(found: store.Record, asked: np.ndarray, rate: float) -> tuple[str, str] | None:
+def _mistake(
+    found: store.Record, asked: np.ndarray, rate: float, described: RecordFile
+) -> tuple[str, str] | None:
     """Return how the input of a record differs from what was asked for, and what to do.
 
-    ``rate`` is that of the excitation, in Hz. Nothing where the record plays it.
+    ``rate`` is that of the excitation, in Hz; the record is read as ``described``. Nothing where the
+    record plays it.
     """
     if abs(found.sampling_rate - rate) > SAME_INTERVAL * rate:
         return (
@@ -204,9 +209,14 @@ def _mistake(found: store.Record, asked: np.ndarray, rate: float) -> tuple[str, 
         return ": its output is", "Exchange the columns of input and output"
     begin = _begin(found.u, asked)
     if plays(found.u[begin:], asked):
+        end = begin + size
+        first = described.rows[0] if described.rows else 0
+        rows = f"`rows: [{first + begin}, {first + end}]`"
+        if described.resample is not None or first < 0:
+            rows = f"`rows`, the numbers of its rows from {begin / rate:g} to {end / rate:g} s"
         return (
             f": that begins at sample {begin}, at {begin / rate:g} s",
-            f"Leave out what is before it, as by `rows: [{begin}, {begin + size}]`",
+            f"Leave out what is before it, as by {rows}",
         )
     played, wanted = found.u[:size], asked[: found.u.size]
     factor, offset = np.polyfit(wanted, played, 1) if np.ptp(wanted) else (1.0, 0.0)
