@@ -28,5 +28,6 @@ class Resolution(Section):
         default=None,
     )
     output_margin: NotNegative = key(
-        "part of the range measured so far by which a predicted output may leave it", default=0.1
+        "part of the range of the records begun from by which a predicted output may leave it",
+        default=0.1,
     )

@@ -251,7 +251,10 @@ def _deflection(
     u: np.ndarray,
     interval: float,
 ) -> np.ndarray:
-    """Return the motion at a force port without any effect, relative to rest, in its own unit."""
+    """Return the motion at a force port without any effect, relative to rest, in its own unit.
+
+    Of a port without a position it is the reading.
+    """
     own = extended.simulation
     alone = replace(
         own,

@@ -23,7 +23,8 @@ def _contact(depth: float, rate: float, q: np.ndarray) -> float:
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Stiff, damped contact beyond the upper stop, or the lower one, with a soft corner.
 
-    Its damping grows with a power of the depth: with the force at onset 0, not at all at 1.
+    Its damping grows with a power of the depth: with the force at onset 0, and at onset 1 with its
+    exponent less one, not at all where the force is linear.
     """
     upper, lower = knee(z - q[0], q[3]), knee(q[1] - z, q[3])
     return float(q[2] * q[5] * (_contact(lower, -w, q) - _contact(upper, w, q)))

@@ -23,7 +23,7 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return a material that has been stressed when the record starts."""
+    """Return a material that is stressed from the start of the run, which the lead-in begins."""
     return np.zeros(MEMORY)
 
 
