@@ -390,6 +390,30 @@ def test_sensor_lag_has_the_frequency_response_of_second_order(damping):
     assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
 
 
+@pytest.mark.parametrize(("order", "part"), [(1.25, 0.0), (1.5, 0.4), (3.0, 0.0)])
+def test_a_sensor_may_be_the_slower_the_smaller_its_error_is(order, part):
+    """Natural convection: the error e obeys de/dt = dy/dt - e |e / full|^(order - 1) / time."""
+    tau, full = 0.3, 0.5 * SCALES.y_span
+    q = values("sensor_lag", time_constant=tau, damping=5.0, fast_part=part, order=order)
+    y = SCALES.y_middle + full * np.sin(2.0 * np.pi * 0.4 * T)
+    read = catalogue()["sensor_lag"].shape_output(y, T, q, DT)
+    linear = q.copy()
+    names = [each.name for each in catalogue()["sensor_lag"].parameters(SCALES)]
+    linear[names.index("order")] = 1.0
+    beyond = read - catalogue()["sensor_lag"].shape_output(y, T, linear, DT)
+
+    def rate(t, r, power):
+        error = np.interp(t, T, y) - r
+        return error * (np.abs(error) / full) ** (power - 1.0) / tau
+
+    exact = [
+        solve_ivp(rate, (0.0, T[-1]), [y[0]], args=(power,), t_eval=T, rtol=1e-9, atol=1e-12,
+                  max_step=DT).y[0]
+        for power in (order, 1.0)
+    ]  # fmt: skip
+    np.testing.assert_allclose(beyond, (1.0 - part) * (exact[0] - exact[1]), atol=2e-3 * full)
+
+
 def test_a_part_of_a_sensor_lag_may_be_faster():
     tau, omega, part = 0.3, 2 * np.pi * 0.23, 0.4
     q = values("sensor_lag", time_constant=tau, damping=1.0, fast_part=part)

@@ -191,8 +191,8 @@ def _mistake(
 ) -> tuple[str, str] | None:
     """Return how the input of a record differs from what was asked for, and what to do.
 
-    ``rate`` is that of the excitation, in Hz; the record is read as ``described``. Nothing where the
-    record plays it.
+    ``rate`` is that of the excitation, in Hz; the record is read as ``described``. Nothing where it
+    plays the excitation.
     """
     if abs(found.sampling_rate - rate) > SAME_INTERVAL * rate:
         return (

@@ -87,6 +87,18 @@ def held_charge(
     return target + (v - target) * mean, target + (v - target) * end
 
 
+@njit(inline="always")
+def time_at(slow: float, apart: float, full: float, order: float) -> float:
+    """Return the time constant at a distance whose power ``order`` is the rate.
+
+    At a distance of ``full`` it is ``slow``.
+    """
+    if order == 1.0 or apart == 0.0:
+        return slow
+    result: float = slow / (abs(apart) / full) ** (order - 1.0)
+    return result
+
+
 @njit(cache=True, error_model="numpy")
 def powered(
     v: float, target: float, tau: float, falling: float, growth: float, interval: float,

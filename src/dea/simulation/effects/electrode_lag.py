@@ -4,18 +4,9 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import held_charge, powered, remaining
+from dea.simulation.effects._laws import held_charge, powered, remaining, time_at
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-
-
-@njit(inline="always")
-def _time(slow: float, apart: float, full: float, order: float) -> float:
-    """Return the time constant at a distance whose power ``order`` is the rate."""
-    if order == 1.0 or apart == 0.0:
-        return slow
-    result: float = slow / (abs(apart) / full) ** (order - 1.0)
-    return result
 
 
 @njit(cache=True, error_model="numpy")
@@ -44,13 +35,13 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
         if ringing > 0.0:
             # The mean far charge of this interval is linear in the target that it sets, or nearly.
             own, _ = remaining(near, target, slow * ratio, falling, growth, interval)
-            time = _time(slow, far - near, q[6], order)
+            time = time_at(slow, far - near, q[6], order)
             other, _ = remaining(far, near, time, falling, growth, interval)
             back = near * own * (1.0 - other) + far * other
             passed = (1.0 - own) * (1.0 - other)
             target = ((1.0 + ringing) * u[k] - ringing * back) / (1.0 + ringing * passed)
         near_mean, near = held_charge(near, target, slow * ratio, falling, growth, interval)
-        time = _time(slow, far - near_mean, q[6], order)
+        time = time_at(slow, far - near_mean, q[6], order)
         far_mean, far = powered(far, near_mean, time, falling, growth, interval, order)
         result[k] = (1.0 - part) * far_mean + part * near_mean
     return result

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import delayed, low_pass
+from dea.simulation.effects._laws import delayed, held_charge, low_pass, powered, time_at
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -20,9 +20,11 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 
     A part of it passes through a faster lag instead, as in a body that warms from outside. The lags
     may be quicker where the output is high, or where the reading is: their poles are then
-    multiplied by a rate.
+    multiplied by a rate. They may be quicker the larger the error is, as in a body that air cools
+    by its own convection: the rate is then a power ``order`` of the error, in units of half the
+    range.
     """
-    time_constant, damping, delay_ratio, fast, quickening, own_share, middle, half_range = q
+    time_constant, damping, delay_ratio, fast, quickening, own_share, order, middle, half_range = q
     samples = time_constant / interval
     if quickening == 0.0:
         smooth = low_pass(y, [(0.5 * samples / damping) ** 2, samples, 1.0])
@@ -32,6 +34,8 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
         high = (y - middle) / half_range
         quick = _quickened(high, quickening, own_share, *_modes(samples, damping, fast))
         smooth = middle + half_range * quick
+    if order > 1.0:
+        smooth = smooth + (1.0 - fast) * _powered(y, time_constant, order, half_range, interval)
     return delayed(smooth, time_constant * delay_ratio, interval)
 
 
@@ -71,11 +75,27 @@ def _quickened(
     return result
 
 
+@njit(cache=True, error_model="numpy")
+def _powered(
+    y: np.ndarray, time_constant: float, order: float, full: float, interval: float
+) -> np.ndarray:
+    """Return what a lag reads more whose rate is a power of its error than one of first order."""
+    result = np.zeros(y.size)
+    read = linear = y[0]
+    for k in range(y.size - 1):
+        target = 0.5 * (y[k] + y[k + 1])
+        time = time_at(time_constant, target - read, full, order)
+        _, read = powered(read, target, time, 1.0, 0.0, interval, order)
+        _, linear = held_charge(linear, target, time_constant, 1.0, 0.0, interval)
+        result[k + 1] = read - linear
+    return result
+
+
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the time constant 2ζ/ω₀, the damping ratio ζ, dead time over it, and the fast part.
 
-    And the logarithm of the rate at the upper end of the range, over that in its middle, and by
-    which share the reading sets it.
+    And the logarithm of the rate at the upper end of the range, over that in its middle, by which
+    share the reading sets it, and the power of the error that the rate is.
     """
     dt, middle = scales.interval, scales.y_middle
     return (
@@ -85,6 +105,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("fast_part", "1", 0.0, 0.15, 0.0, 0.9, shape=True),
         Parameter("quickening", "1", 0.0, 0.3, -2.0, 2.0, shape=True),
         Parameter("own_share", "1", 0.5, 0.5, 0.0, 1.0, shape=True),
+        Parameter("order", "1", 1.0, 0.4, 1.0, 3.0, log=True, shape=True),
         Parameter("middle", scales.y_unit, middle, 0.0),
         Parameter("half_range", scales.y_unit, 0.5 * scales.y_span, 0.0),
     )
@@ -97,9 +118,9 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """
     middle, half = scales.y_middle, 0.5 * scales.y_span
     return (
-        *((time, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half) for time in scales.lags),
-        (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
-        (scales.slow, 1.5, 0.0, 0.7, 0.0, 0.5, middle, half),
+        *((time, 1.5, 0.0, 0.0, 0.0, 0.5, 1.0, middle, half) for time in scales.lags),
+        (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, 1.0, middle, half),
+        (scales.slow, 1.5, 0.0, 0.7, 0.0, 0.5, 1.0, middle, half),
     )
 
 
@@ -111,7 +132,8 @@ EFFECT = Effect(
     citation="Doebelin (2003), Measurement Systems, section 3.3, on second-order instruments; "
     "Carslaw and Jaeger (1959), Conduction of Heat in Solids, on their modes; Busch and "
     "Kristensen (1976), Journal of Applied Meteorology 15:1328, on a level that quickens them; "
-    "Rose (1963), Concepts in Photoconductivity and Allied Problems, on a reading that does",
+    "Rose (1963), Concepts in Photoconductivity and Allied Problems, on a reading that does; "
+    "McAdams (1954), Heat Transmission, on natural convection",
     parameters=parameters,
     starts=starts,
     shape_output=law,
