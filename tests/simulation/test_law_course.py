@@ -130,6 +130,7 @@ def test_what_changes_with_time_is_shown_over_time():
         ({"gain_step": -0.4, "offset_step": 0.01}, "factor on", 0.4),
         ({"offset_step": 0.3}, "change of the reading", 0.3),
         ({"offset_step": 0.3, "gain_step": -0.01}, "change of the reading", 0.3),
+        ({"highest_input": 0.1, "offset_step": 0.01}, "change of the input", U.max() - 0.1),
     ],
 )
 def test_a_step_is_shown_where_it_changes_more(steps, shown, size):

@@ -1108,6 +1108,34 @@ def test_a_drift_goes_on_straight_where_no_sample_tells_it():
     assert np.abs(X @ weights - course)[~known].max() < 0.003
 
 
+def test_an_actuator_may_jam_within_a_part_of_its_range():
+    q = values("step_fault", instant=11.01, rise_time=1e-6, highest_input=2.0, lowest_input=0.5)
+    command = catalogue()["step_fault"].shape_input
+    found = command(U, q, DT)
+    late = T > 11.01
+    np.testing.assert_array_equal(found[~late], U[~late])
+    np.testing.assert_allclose(found[late], np.clip(U[late], 0.5, 2.0), atol=1e-12)
+    stuck = values("step_fault", instant=11.01, rise_time=1e-6, highest_input=1.0, lowest_input=1.0)
+    np.testing.assert_allclose(command(U, stuck, DT)[late], 1.0, atol=1e-12)
+    assert np.array_equal(command(U, values("step_fault"), DT), U)
+
+
+def test_a_reading_may_be_late_from_one_instant_on():
+    """The lag begins at the value that the output then has: dr/dt = (y - r) / time."""
+    instant, tau = 11.0, 0.7
+    q = values("step_fault", instant=instant, rise_time=1e-6, lag=tau)
+    found = catalogue()["step_fault"].shape_output(Y, T, q, DT)
+    late = T >= instant
+    exact = solve_ivp(
+        lambda t, r: (np.interp(t, T, Y) - r) / tau, (instant, T[-1]),
+        [np.interp(instant, T, Y)], t_eval=T[late], rtol=1e-9, atol=1e-12, max_step=DT,
+    ).y[0]  # fmt: skip
+    np.testing.assert_array_equal(found[T < instant], Y[T < instant])
+    np.testing.assert_allclose(found[late], exact, atol=1e-6)
+    plain = catalogue()["step_fault"].shape_output(Y, T, values("step_fault"), DT)
+    np.testing.assert_array_equal(plain, Y)
+
+
 def test_step_fault_changes_gain_offset_and_scale_at_one_instant():
     q = values("step_fault", instant=11.01, gain_step=-0.2, offset_step=0.05, rise_time=1e-6)
     effect = catalogue()["step_fault"]

@@ -7,7 +7,7 @@ import numpy as np
 from numba import float64, njit, types
 
 from dea.simulation.attached import Attached
-from dea.simulation.effects import Family, Port
+from dea.simulation.effects import Effect, Family, Port
 from dea.simulation.extended import ExtendedSimulation as Extended
 from dea.simulation.parameter import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR, first_class
@@ -72,40 +72,42 @@ def law_courses(
     y = y + known[OUTPUT_OFFSET]
     courses: list[LawCourse | None] = [None] * len(extended.attached)
     for index in extended.order:
-        place = extended.attached[index].place
-        effect, q = extended.attached[index].effect, values[extended.effect_slices[index]]
+        each = extended.attached[index]
+        effect, place, q = each.effect, each.place, values[extended.effect_slices[index]]
+        # What an event does is shown where it changes more: the input, the drive or the reading.
+        found: list[tuple[float, LawCourse | None]] = []
         if effect.shape_input is not None:
             before = acting[place]
-            acting[place] = v = effect.shape_input(before, q, interval)
+            acting[place] = effect.shape_input(before, q, interval)
             name, unit = own.inputs[place].name, own.inputs[place].unit
-            courses[index] = LawCourse(
-                Axis(before, name, unit), Axis(v, f"{name} that acts", unit), before
-            )
-        elif effect.shape_output is not None:
+            axes = Axis(before, name, unit), Axis(acting[place], f"{name} that acts", unit)
+            found.append(_changed(effect, time, *axes, name))
+        if effect.scale_drive is not None:
+            factor = effect.scale_drive(time, q)
+            found.append((float(np.ptp(factor)), _scaled(own.drives[place], time, factor)))
+        if effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
-            factor = effect.scale_drive(time, q) if effect.scale_drive else np.ones(time.size)
-            # An event may be one of the drive and of the reading: what changes the output more.
-            if np.ptp(factor) * np.ptp(y) > np.ptp(y - before):
-                courses[index] = _scaled(own.drives[place], time, factor)
-                continue
-            courses[index] = (
-                LawCourse(
-                    Axis(time, "time", "s"),
-                    Axis(y - before, "change of the reading", own.output_unit),
-                    np.zeros(time.size),
-                )
-                if effect.port is Port.TIME or effect.family is Family.OSCILLATION
-                else LawCourse(
-                    Axis(before, "output", own.output_unit),
-                    Axis(y, "reading", own.output_unit),
-                    before,
-                )
-            )
-        elif effect.scale_drive is not None:
-            courses[index] = _scaled(own.drives[place], time, effect.scale_drive(time, q))
-        else:
-            courses[index] = _pushed(extended, extended.attached[index], q, position, interval)
+            axes = Axis(before, "output", own.output_unit), Axis(y, "reading", own.output_unit)
+            found.append(_changed(effect, time, *axes, "reading"))
+        if effect.force is not None:
+            found.append((1.0, _pushed(extended, each, q, position, interval)))
+        courses[index] = max(found, key=lambda pair: pair[0])[1]
     return courses
+
+
+def _changed(
+    effect: Effect, time: np.ndarray, before: Axis, after: Axis, signal: str
+) -> tuple[float, LawCourse]:
+    """Return by which part of its range a law changes a ``signal``, and the course of that.
+
+    A course in time is the change, shown over time.
+    """
+    change = after.values - before.values
+    part = float(np.ptp(change)) / (float(np.ptp(before.values)) or 1.0)
+    if effect.port is Port.TIME or effect.family is Family.OSCILLATION:
+        changed = Axis(change, f"change of the {signal}", after.unit)
+        return part, LawCourse(Axis(time, "time", "s"), changed, np.zeros(time.size))
+    return part, LawCourse(before, after, before.values)
 
 
 def _scaled(drive: str, time: np.ndarray, factor: np.ndarray) -> LawCourse:

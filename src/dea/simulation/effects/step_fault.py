@@ -1,10 +1,14 @@
-"""Gain, offset and the scale of the reading change at one instant."""
+"""From one instant on the device is driven, or read, otherwise."""
 
 import numpy as np
 
 from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._laws import low_pass
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
+
+# Parts of the range of the input that it loses at one end.
+_NARROWER = 0.25, 0.6
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -18,16 +22,37 @@ def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
     return result
 
 
+def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Keep the input within a range from the same instant, as an actuator that jams does."""
+    reached = np.clip(u, q[6], q[5])
+    result: np.ndarray = u + _after(interval * np.arange(u.size), q) * (reached - u)
+    return result
+
+
 def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Shift and scale the output from the same instant."""
-    result: np.ndarray = y + (q[2] + q[4] * y) * _after(t, q)
+    """Shift, scale and smooth the output from the same instant.
+
+    A lag of first order begins at the value that the output then has.
+    """
+    after = _after(t, q)
+    read = y
+    if q[7] > 0.0:
+        late = low_pass(y, [q[7] / interval, 1.0])
+        begun = float(np.interp(q[0], t, y - late))
+        late = late + begun * np.exp(-np.maximum(t - q[0], 0.0) / q[7])
+        read = y + after * (late - y)
+    result: np.ndarray = read + (q[2] + q[4] * read) * after
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the instant, the steps of gain, offset and scale, and how long they take."""
+    """Return the instant, the steps of gain, offset and scale, and how long they take.
+
+    Then the range of the input from that instant on, and the lag of the reading.
+    """
     dt, duration = scales.interval, scales.duration
-    low, high = 0.5 * dt, 0.05 * duration
+    least, most = 0.5 * dt, 0.05 * duration
+    low, high, span, unit = scales.u_low, scales.u_high, scales.u_span, scales.u_unit
     # The instant may lie in a block that is left out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
     return (
@@ -36,8 +61,11 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         ),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
-        Parameter("rise_time", "s", 4 * dt, 1.0, low, high, log=True, shape=True, event=True),
+        Parameter("rise_time", "s", 4 * dt, 1.0, least, most, log=True, shape=True, event=True),
         Parameter("scale_step", "1", 0.0, 0.1, -0.99, 5.0, shape=True),
+        Parameter("highest_input", unit, high, 0.3 * span, low, high, shape=True),
+        Parameter("lowest_input", unit, low, 0.3 * span, low, high, shape=True),
+        Parameter("lag", "s", 0.0, 20 * dt, 0.0, 0.2 * duration, shape=True),
     )
 
 
@@ -45,13 +73,23 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return the instants at which the residual changes most, with steps up and down.
 
     They are of gain or offset alone: of both at once one may make up for what the other explains.
+    So are a range of the input that is narrower, at one end, and a lag of the reading.
     """
     rise = 0.01 * scales.duration
     gain, shift = 0.01, 0.01 * scales.y_span
+    low, high, span = scales.u_low, scales.u_high, scales.u_span
+    whole = high, low, 0.0
+    steps = [(gain, 0.0), (-gain, 0.0), (0.0, shift), (0.0, -shift)]
+    others = [(high - part * span, low, 0.0) for part in _NARROWER]
+    others += [(high, low + part * span, 0.0) for part in _NARROWER]
+    others += [(high, low, time) for time in scales.lags[1:]]
     return tuple(
-        (instant, *step, rise, 0.0)
+        (instant, *step, rise, 0.0, *other)
         for instant in scales.jumps
-        for step in ((gain, 0.0), (-gain, 0.0), (0.0, shift), (0.0, -shift))
+        for step, other in (
+            *((step, whole) for step in steps),
+            *(((0.0, 0.0), other) for other in others),
+        )
     )
 
 
@@ -60,9 +98,11 @@ EFFECT = Effect(
     port=Port.TIME,
     family=Family.EVENT,
     symptom="from one instant on the device responds differently",
-    citation="Basseville and Nikiforov (1993), Detection of Abrupt Changes, chapter 2",
+    citation="Basseville and Nikiforov (1993), Detection of Abrupt Changes, chapter 2; Zhang and "
+    "Jiang (2008), Annual Reviews in Control 32:229, on actuators that jam",
     parameters=parameters,
     starts=starts,
+    shape_input=command,
     scale_drive=gain,
     shape_output=reading,
     transferable=False,
