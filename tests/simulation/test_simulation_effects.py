@@ -1125,12 +1125,12 @@ def test_a_reading_may_be_late_from_one_instant_on():
     instant, tau = 11.0, 0.7
     q = values("step_fault", instant=instant, rise_time=1e-6, lag=tau)
     found = catalogue()["step_fault"].shape_output(Y, T, q, DT)
-    late = T >= instant
+    late = instant <= T
     exact = solve_ivp(
         lambda t, r: (np.interp(t, T, Y) - r) / tau, (instant, T[-1]),
         [np.interp(instant, T, Y)], t_eval=T[late], rtol=1e-9, atol=1e-12, max_step=DT,
     ).y[0]  # fmt: skip
-    np.testing.assert_array_equal(found[T < instant], Y[T < instant])
+    np.testing.assert_array_equal(found[instant > T], Y[instant > T])
     np.testing.assert_allclose(found[late], exact, atol=1e-6)
     plain = catalogue()["step_fault"].shape_output(Y, T, values("step_fault"), DT)
     np.testing.assert_array_equal(plain, Y)
