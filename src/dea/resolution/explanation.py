@@ -51,12 +51,14 @@ class Explanation:
     @property
     def covariance(self) -> np.ndarray:
         """Covariance (k, k) of the coordinates."""
-        return self.root @ self.root.T
+        product: np.ndarray = self.root @ self.root.T
+        return product
 
     @property
     def deviations(self) -> np.ndarray:
         """Standard deviations (k,) of the coordinates."""
-        return np.linalg.norm(self.root, axis=1)
+        lengths: np.ndarray = np.linalg.norm(self.root, axis=1)
+        return lengths
 
     def simulated(self, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the output (n,) that the mean predicts; NaN where it diverges."""
@@ -76,7 +78,7 @@ class Explanation:
         With the ``slope`` S (n, k) of all that was minimised, SᵀS is the precision.
         """
         own = self.extended.own_of_records
-        apart = _inverse(np.linalg.qr(slope, mode="r"))
+        apart = _inverse(triangle(slope))
         root = np.eye(mean.size)
         root[np.ix_(~own, ~own)] = _lower(apart[~own])
         return Explanation(self.extended, np.where(own, 0.0, mean), root)
@@ -103,8 +105,8 @@ def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     J = np.where(problem.seen[:, None], fitted.jacobian, 0.0) / problem.noise
     prior = np.eye(fitted.coordinates.size)
     spreads = [error.spread(J[part]) / problem.noise for part in fitted.records]
-    scatter = np.linalg.qr(np.vstack([*spreads, prior]), mode="r")
-    inverse = _inverse(np.linalg.qr(np.vstack([J, prior]), mode="r"))
+    scatter = triangle(np.vstack([*spreads, prior]))
+    inverse = _inverse(triangle(np.vstack([J, prior])))
     joint_root = inverse @ inverse.T @ scatter.T
     own = joint.own_of_records
     places = {joint.names[i]: k for k, i in enumerate(joint.free) if not own[k]}
@@ -117,6 +119,11 @@ def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     return Explanation(alone.as_recorded, np.clip(mean, low, high), root)
 
 
+def triangle(matrix: np.ndarray) -> np.ndarray:
+    """Return the upper triangular R (k, k) with RᵀR = XᵀX of a matrix X (n, k)."""
+    return np.linalg.qr(matrix)[1]
+
+
 def _inverse(upper: np.ndarray) -> np.ndarray:
     """Return the inverse of an upper triangular matrix (k, k)."""
     from scipy.linalg import solve_triangular
@@ -127,4 +134,4 @@ def _inverse(upper: np.ndarray) -> np.ndarray:
 
 def _lower(root: np.ndarray) -> np.ndarray:
     """Return the lower triangular root (m, m) of what any ``root`` (m, k) is one of."""
-    return np.linalg.qr(root.T, mode="r").T
+    return triangle(root.T).T

@@ -6,7 +6,7 @@ import numpy as np
 
 from dea.discrepancy import Samples, sensitivities
 from dea.resolution.error import Error
-from dea.resolution.explanation import Explanation, as_problem
+from dea.resolution.explanation import Explanation, as_problem, triangle
 
 # Evaluations at most; a search that has not ended by then makes the density look too small.
 _ITERATIONS = 100
@@ -68,7 +68,7 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
     )
     J = found.jac[:samples]
     # |I + L'J'JL| is the square of the determinant of the triangle of this.
-    grown = np.linalg.qr(np.vstack([J @ L, np.eye(every.size)]), mode="r")
+    grown = triangle(np.vstack([J @ L, np.eye(every.size)]))
     spread = 2.0 * float(np.sum(np.log(np.abs(np.diag(grown)))))
     total = 2.0 * found.cost + spread + error.log_determinant(known) + samples * np.log(2 * np.pi)
     return Predicted(-0.5 * float(total), explanation.informed(found.x, found.jac))
