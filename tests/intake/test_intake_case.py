@@ -196,6 +196,17 @@ def test_rounded_times_are_told_with_the_rate_that_makes_the_record_whole(folder
     assert np.flatnonzero(np.isnan(record.y)).tolist() == [20, 50]
 
 
+def test_a_sensor_that_is_read_slowly_is_told_and_its_samples_are_averaged(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table["y (mm)"] = table["y (mm)"].to_numpy()[np.arange(len(table)) // 5 * 5]
+    table.to_csv("slow.csv", index=False)
+    assert main(["slow.csv"]) == 0
+    said = capsys.readouterr().err
+    assert "the output holds each value for 5 samples: its sensor is read at" in said
+    assert "5 samples are averaged into one" in said
+    assert described(folder, "slow")["resample"] == 5 * 0.05
+
+
 def test_text_among_the_numbers_is_named(folder, capsys):
     lines = (folder / "mine.csv").read_text().splitlines()
     lines[499] = lines[499].rpartition(",")[0] + ",Fehler"

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
-from dea.intake.bandwidth import band, samples_to_average
+from dea.intake.bandwidth import band, samples_held, samples_to_average
 from dea.intake.dynamics import linear_dynamics
 from dea.intake.settings import infer_settings
 from dea.store import Record
@@ -32,6 +32,24 @@ def test_the_band_of_band_limited_noise_is_found():
         9,
         10,
     )
+
+
+@pytest.mark.parametrize("held", [2.0, 3.3, 10.0])
+def test_a_sensor_that_is_read_more_slowly_than_the_record_is_told(held):
+    """Its values come at a rate of its own; one of fifty is lost, so that the one before stays."""
+    y = np.cumsum(np.random.default_rng(3).standard_normal(4000))
+    newest = np.floor((np.arange(4000) + 0.4) / held).astype(int)
+    newest -= newest % 50 == 17
+    assert samples_held(y[newest]) == pytest.approx(held, rel=0.02)
+
+
+@pytest.mark.parametrize("step", [0.0, 0.02, 0.1, 0.5])
+def test_a_slow_signal_that_is_rounded_is_not_read_slowly(step):
+    t = np.arange(4000) / 100
+    noise = 0.01 * np.random.default_rng(4).standard_normal(t.size)
+    for y in (np.sin(t), np.abs((t % 8.0) - 4.0), np.sin(t) + noise, noise, 0.0 * t):
+        rounded = step * np.round(y / step) if step else y
+        assert samples_held(rounded) == 1.0
 
 
 @pytest.mark.parametrize("delay", [0, 1, 2, 7])

@@ -12,7 +12,7 @@ from dea import store
 from dea.arrays import Array
 from dea.configuration.record import RecordFile
 from dea.errors import InputError
-from dea.intake.bandwidth import samples_to_average
+from dea.intake.bandwidth import samples_held, samples_to_average
 from dea.intake.questions import command
 from dea.intake.roles import Answers, Roles, find_roles
 from dea.intake.settings import infer_settings
@@ -195,6 +195,14 @@ def _resampling(
         )
     several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []
+    held = samples_held(y[known])
+    if held > 1.0:
+        rate = 1.0 / (held * interval)
+        notes.append(
+            f"the output holds each value for {held:.3g} samples: its sensor is read at"
+            f" {rate:.4g} Hz"
+        )
+        several = max(several, round(held))
     if several > 1 and not may_average:
         notes.append(
             f"every sample is kept for the simulation; without one, {several} would be averaged"
@@ -210,10 +218,12 @@ def _resampling(
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
     if several > 1:
-        notes.append(
-            f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: {several}"
-            " samples are averaged into one"
+        beyond = (
+            ""
+            if several == round(held)
+            else (f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: ")
         )
+        notes.append(f"{beyond}{several} samples are averaged into one")
     needed = missing.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
 
