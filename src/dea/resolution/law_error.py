@@ -57,7 +57,8 @@ class LawError:
     seen
         Error on the records so far.
     motion
-        Motion in them, between samples that are ``apart`` samples of a further one apart.
+        Motion in them; its pace is that over one of their sampling intervals, which is ``apart``
+        samples of a further record.
     share
         Part of what the effects do that a right law may leave.
     unexplained

@@ -1,8 +1,8 @@
 """What the source of a simulation's equations must not hold, since compiled code does not check it.
 
 A branch that no trial run enters is read as well, unless it depends on how many states,
-parameters or inputs there are. Functions within the equations, and arguments that they replace, are
-left out.
+parameters or inputs there are. Not read are functions within the equations, nor what they do with
+an argument that they have assigned to.
 """
 
 import ast

@@ -16,7 +16,7 @@ INTERPOLATIONS: tuple[str, ...] = get_args(InputInterpolation)
 # attenuation that joining samples by straight lines causes.
 _STRAIGHT_LINES = (1.0, -1 / 12, 1 / 90, -1 / 560, 1 / 3150)
 # Degree of the spline through smooth samples, and for how many samples the input stands still
-# before and after them, of which its inner ones see nothing.
+# before and after them: enough that the end conditions of the spline do not reach the record.
 _DEGREE, _STILL = 5, 12
 
 

@@ -9,9 +9,9 @@ class Normalisation:
 
     Position ``rest`` and excursion ``scale`` in the position's unit; ``unit_force``, the change
     of the state equation per unit of force, equals the elastic force at the excursion or, where
-    there is none, the force of the input's whole range. It is times the port's divisor, if any.
-    ``inertia`` is then the unit of force over the acceleration of the normalised position that it
-    causes (s^2), and zero where an elastic force is the unit.
+    there is none, the force of the input's whole range. Where the port has a divisor, the unit is
+    multiplied by its value. ``inertia`` (s^2) is zero where an elastic force is the unit; otherwise
+    it is the unit over the acceleration of the normalised position that it causes.
     """
 
     rest: float = 0.0

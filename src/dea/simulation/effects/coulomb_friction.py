@@ -71,12 +71,13 @@ def _rate(name: str, spread: float, span: float) -> Parameter:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and the start.
+    """Return the law's parameters.
 
-    And the part of the largest deflection up to which the contact is elastic, by which part the
-    friction is larger on the way up, and smaller on the way down, and by which it is larger at the
-    upper end of the motion than in its middle, for the load is; the part that rises with the speed,
-    and the rate at which it has.
+    These are the force, the deflection before slip, the excess of stiction, Stribeck's rate and the
+    deflection at the start; the part of the largest deflection up to which the contact is elastic;
+    the asymmetry, by which the friction is larger on the way up and smaller on the way down; the
+    growth with the load, by which it is larger at the upper end of the motion than in its middle;
+    the part of it that rises with the speed, and the rate by which that has risen.
     """
     span = scales.z_span
     return (
