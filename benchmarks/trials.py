@@ -18,7 +18,9 @@ from dea.tables.trials import rates
 from dea.trials import wilson
 
 TRIALS = Path("results/trials")
-FORMS_SINCE = 1472  # the first trial that hid the present forms of the reporting set
+FORMS_SINCE = (
+    1472  # the first trial of forms that no diagnosis had been tuned on when it was judged
+)
 NOTHING = "name given on nothing"
 COUNTED = ("right name", "wrong name", "both of two", NOTHING, "name given on a foreign effect")
 

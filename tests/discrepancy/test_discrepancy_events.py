@@ -27,7 +27,9 @@ def stepped(place, started):
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(started,))
     law = extended.attach(catalogue()["step_fault"], scales)
-    start = law.attached[0].started((started, 0.0, STEP, 4 * INTERVAL, 0.0))
+    start = law.attached[0].started(
+        (started, 0.0, STEP, 4 * INTERVAL, 0.0, INPUT.max(), INPUT.min(), 0.0)
+    )
     values = law.coordinates(np.concatenate([nominal.values, start]))
     return problem, fit(problem, law, values, iterations=40)
 

@@ -9,6 +9,8 @@ from dea.simulation.scales import Scales
 
 # Parts of the range of the input that it loses at one end.
 _NARROWER = 0.25, 0.6
+# Part of the record after which an event can be told: what is so from the start is none.
+_SOONEST = 0.05
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -55,10 +57,10 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     low, high, span, unit = scales.u_low, scales.u_high, scales.u_span, scales.u_unit
     # The instant may lie in a block that is left out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
+    soonest = _SOONEST * duration
+    instant = max(likeliest, soonest), 0.02 * duration, soonest, duration
     return (
-        Parameter(
-            "instant", "s", likeliest, 0.02 * duration, 0.0, duration, shape=True, event=True
-        ),
+        Parameter("instant", "s", *instant, shape=True, event=True),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
         Parameter("rise_time", "s", 4 * dt, 1.0, least, most, log=True, shape=True, event=True),
