@@ -10,7 +10,7 @@ from dea.simulation.scales import Scales
 # Parts of the range of the input that it loses at one end.
 _NARROWER = 0.25, 0.6
 # Part of the record after which an event can be told: what is so from the start is none.
-_SOONEST = 0.05
+_SOONEST = 0.01
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
