@@ -231,6 +231,24 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
     assert judged_again.candidates[0].finished == leaks
 
 
+@pytest.mark.parametrize("since", [0.0, 20.0])
+def test_a_limit_from_the_start_does_not_bear_the_name_of_an_event(since):
+    problem, extended = hidden()
+    own = extended.values(np.zeros(extended.free.size))
+    limited = np.where(problem.time >= since, np.minimum(problem.u, 1.2), problem.u)
+    noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
+    problem = replace(problem, y=extended.simulate(own, limited, INTERVAL) + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    scales = replace(measured_scales(extended, nominal.values, problem), jumps=(19.0,))
+    law = extended.attach(catalogue()["step_fault"], scales)
+    start = (since + 0.7, 0.0, 0.0, 0.1, 0.0, 1.3, problem.u.min(), 0.0)
+    found = fit(problem, law, law.coordinates(np.concatenate([nominal.values, start])))
+    assert problem.seen_rmse(found.residual) < 2.0 * NOISE
+    candidate = judged(problem, found)
+    [judged_again] = unfinish_degenerate(problem, [Round(nominal, (candidate,))], Rules(), NOISE, 1)
+    assert judged_again.candidates[0].finished == (since > 0.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("threshold", [True, False])
 def test_a_power_of_the_input_does_not_bear_the_name_of_a_threshold(threshold):

@@ -1,7 +1,8 @@
 """Candidates that are not what their names say.
 
-Either they fit as well with an essential parameter at its bound, or a limit that they hold is not
-reached: one of the command, or one of the reading where a curve does as well.
+They fit as well with an essential parameter at its bound, or with an event at the start of the
+record; or a limit that they hold is not reached: one of the command, or one of the reading where a
+curve does as well.
 """
 
 from collections.abc import Sequence
@@ -33,7 +34,8 @@ def unfinish_degenerate(
 
     Each law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
     its lower bound. A candidate that explains the record as well there, or less by no more than its
-    greater freedom is charged for, counts as unfinished.
+    greater freedom is charged for, counts as unfinished, and so does one of an event that explains
+    as much from the start of the record on.
     """
     finished = [c for each in rounds for c in each.candidates if c.finished]
     limit = rules.near * min((c.error for c in finished), default=0.0)
@@ -46,6 +48,7 @@ def unfinish_degenerate(
         "leading effects at their limits",
     )
     fallen = {id(c) for c, found in zip(doubtful, degenerate, strict=True) if found}
+    fallen |= {id(c) for c in leading if _is_from_the_start(problem, c, rules, noise_floor)}
     leading = [c for c in leading if id(c) not in fallen]
     curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
     for c in leading:
@@ -111,6 +114,24 @@ def _is_degenerate(
             ):
                 return True
     return False
+
+
+def _is_from_the_start(
+    problem: Problem, candidate: Candidate, rules: Rules, noise_floor: float
+) -> bool:
+    """Return whether an event explains as much where it happens as soon as it can.
+
+    What a device has done from the start is no event. Of several records it is one in any of them.
+    """
+    extended = candidate.fit.extended
+    # How long an event takes is counted by its logarithm; an instant is not.
+    free = [extended.parameters[i] for i in extended.free]
+    instants = np.array([each.event and not each.log for each in free])
+    if not instants.any():
+        return False
+    soonest = np.where(instants, extended.bounds[0], candidate.fit.coordinates)
+    residual = problem.residual(extended, extended.values(soonest))
+    return rules.as_good(problem.seen_rmse(residual), candidate.rmse, noise_floor)
 
 
 def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
