@@ -122,3 +122,18 @@ def test_the_compiled_course_of_a_force_is_that_of_its_functions(name):
     for k in range(z.size):
         assert course.value.values[k] == effect.force(z[k], w[k], memory, law)
         effect.update(z[k], z[min(k + 1, z.size - 1)], INTERVAL, memory, law)
+
+
+def test_the_band_of_an_event_is_of_what_is_shown():
+    """Before the event nothing is uncertain, whatever else the event might do after it."""
+    fit = extended_by("step_fault")
+    names = [fit.extended.names[i] for i in fit.extended.free]
+    moved = fit.coordinates.copy()
+    moved[names.index("step_fault.gain_step")] = 1.0
+    [law] = banded_laws(RECORD, replace(fit, coordinates=moved), np.eye(moved.size))
+    assert law.course.quantity == "drive"
+    instant = law.course.along.values[np.argmax(np.diff(law.course.value.values) != 0.0)]
+    before = law.course.along.values < instant - 0.25 * np.ptp(law.course.along.values)
+    assert before.any()
+    np.testing.assert_allclose(law.low[before], 1.0, atol=1e-12)
+    np.testing.assert_allclose(law.high[before], 1.0, atol=1e-12)

@@ -191,3 +191,19 @@ def test_a_hum_is_shown_as_what_it_adds_to_the_reading():
     added = extended.simulate(values, U, INTERVAL) - plain.simulate(own, U, INTERVAL)
     assert np.ptp(added) > 0.1
     np.testing.assert_allclose(course.value.values, added, atol=1e-9)
+
+
+def test_of_an_event_one_quantity_is_shown_for_all_records():
+    """That which it changes most in any; the same where courses are compared with those."""
+    steps = {"gain_step": -0.4, "record_2.gain_step": 0.0, "record_2.offset_step": 0.05}
+    joint, values = attached(("step_fault", steps | {"record_2.instant": 5.0}), lengths=(600, 400))
+    [course] = law_courses(joint, values, U, INTERVAL)
+    assert course.quantity == "drive"
+    np.testing.assert_allclose(course.value.values[-400:], 1.0)
+    alone, own = attached(("step_fault", {"gain_step": -0.4}))
+    moved = own.copy()
+    moved[alone.names.index("step_fault.offset_step")] = 9.0
+    assert law_courses(alone, moved, U, INTERVAL)[0].quantity == "reading"
+    like = law_courses(alone, own, U, INTERVAL)
+    [same] = law_courses(alone, moved, U, INTERVAL, like=like)
+    np.testing.assert_array_equal(same.value.values, like[0].value.values)

@@ -25,11 +25,23 @@ class Axis(NamedTuple):
 
 
 class LawCourse(NamedTuple):
-    """What a law acts on, what it makes of it, and the same where it had no effect."""
+    """What a law acts on, what it makes of it, and the same where it had no effect.
+
+    An event changes several quantities. ``quantity`` is the one shown: the input, the drive, the
+    reading or a force.
+    """
 
     along: Axis
     value: Axis
     idle: np.ndarray
+    quantity: str
+
+
+class _Change(NamedTuple):
+    """One of the courses of a law, and by which part of its range it changes the quantity."""
+
+    part: float
+    course: LawCourse
 
 
 def law_courses(
@@ -38,12 +50,13 @@ def law_courses(
     u: np.ndarray,
     interval: float,
     motions: Sequence[np.ndarray] | None = None,
+    like: Sequence[LawCourse | None] | None = None,
 ) -> list[LawCourse | None]:
     """Return the course of each effect attached, in their order.
 
     A force is shown along the position, so that a loop is seen as one, or along the velocity if it
     does not look at the position. There is none where its port has no position, or is not the
-    simulation's first.
+    simulation's first. Of an event the quantity is shown that it changes most, in any record.
 
     Parameters
     ----------
@@ -54,28 +67,57 @@ def law_courses(
     motions
         Output and position of each record with its lead-in that the laws are evaluated on; of a
         run at ``values`` if ``None``.
+    like
+        Courses whose quantities are shown, rather than those that change most.
     """
     motions = motions or extended.motions(values, u, interval)
-    if extended.records > 1:
-        parts = [
-            law_courses(extended.alone, own, u[part], interval, [motion])
-            for (part, own), motion in zip(extended.each(values), motions, strict=True)
-        ]
-        return [_joined(courses) for courses in zip(*parts, strict=True)]
+    records = [
+        _changes(extended.alone, own, u[part], interval, motion)
+        for (part, own), motion in zip(extended.each(values), motions, strict=True)
+    ]
+    wanted = like or [None] * len(extended.attached)
+    return [
+        _of_records(each, before)
+        for each, before in zip(zip(*records, strict=True), wanted, strict=True)
+    ]
+
+
+def _of_records(records: Sequence[Sequence[_Change]], like: LawCourse | None) -> LawCourse | None:
+    """Return the course of one law over all records, of the quantity that it changes most."""
+    if not all(records):
+        return None
+    most = max((change for changes in records for change in changes), key=lambda each: each.part)
+    quantity = (like or most.course).quantity
+    shown = [
+        change.course
+        for changes in records
+        for change in changes
+        if change.course.quantity == quantity
+    ]
+    first = shown[0]
+    return first._replace(
+        along=first.along._replace(values=np.concatenate([c.along.values for c in shown])),
+        value=first.value._replace(values=np.concatenate([c.value.values for c in shown])),
+        idle=np.concatenate([c.idle for c in shown]),
+    )
+
+
+def _changes(
+    extended: Extended, values: np.ndarray, u: np.ndarray, interval: float, motion: np.ndarray
+) -> list[list[_Change]]:
+    """Return, for each effect attached, all that it changes in one record."""
     own = extended.simulation
     known = dict(zip(extended.names, values.tolist(), strict=True))
-    [(output, position)] = motions
+    output, position = motion
     output = output[extended.lead(interval) :]
     time = np.arange(output.size) * interval
     acting = extended.offset(values, u)
     y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
     y = y + known[OUTPUT_OFFSET]
-    courses: list[LawCourse | None] = [None] * len(extended.attached)
+    changes: list[list[_Change]] = [[] for _ in extended.attached]
     for index in extended.order:
-        each = extended.attached[index]
+        each, found = extended.attached[index], changes[index]
         effect, place, q = each.effect, each.place, values[extended.effect_slices[index]]
-        # What an event does is shown where it changes more: the input, the drive or the reading.
-        found: list[tuple[float, LawCourse | None]] = []
         if effect.shape_input is not None:
             before = acting[place]
             acting[place] = effect.shape_input(before, q, interval)
@@ -84,36 +126,36 @@ def law_courses(
             found.append(_changed(effect, time, *axes, name))
         if effect.scale_drive is not None:
             factor = effect.scale_drive(time, q)
-            found.append((float(np.ptp(factor)), _scaled(own.drives[place], time, factor)))
+            found.append(_Change(float(np.ptp(factor)), _scaled(own.drives[place], time, factor)))
         if effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
             axes = Axis(before, "output", own.output_unit), Axis(y, "reading", own.output_unit)
             found.append(_changed(effect, time, *axes, "reading"))
-        if effect.force is not None:
-            found.append((1.0, _pushed(extended, each, q, position, interval)))
-        courses[index] = max(found, key=lambda pair: pair[0])[1]
-    return courses
+        pushed = _pushed(extended, each, q, position, interval)
+        if pushed is not None:
+            found.append(_Change(1.0, pushed))
+    return changes
 
 
-def _changed(
-    effect: Effect, time: np.ndarray, before: Axis, after: Axis, signal: str
-) -> tuple[float, LawCourse]:
+def _changed(effect: Effect, time: np.ndarray, before: Axis, after: Axis, signal: str) -> _Change:
     """Return by which part of its range a law changes a ``signal``, and the course of that.
 
     A course in time is the change, shown over time.
     """
+    quantity = "reading" if signal == "reading" else "input"
     change = after.values - before.values
     part = float(np.ptp(change)) / (float(np.ptp(before.values)) or 1.0)
     if effect.port is Port.TIME or effect.family is Family.OSCILLATION:
         changed = Axis(change, f"change of the {signal}", after.unit)
-        return part, LawCourse(Axis(time, "time", "s"), changed, np.zeros(time.size))
-    return part, LawCourse(before, after, before.values)
+        along = Axis(time, "time", "s")
+        return _Change(part, LawCourse(along, changed, np.zeros(time.size), quantity))
+    return _Change(part, LawCourse(before, after, before.values, quantity))
 
 
 def _scaled(drive: str, time: np.ndarray, factor: np.ndarray) -> LawCourse:
     """Return the course of a factor (n,) on a drive."""
     acting = Axis(factor, f"factor on {drive.replace('_', ' ')}", "1")
-    return LawCourse(Axis(time, "time", "s"), acting, np.ones(time.size))
+    return LawCourse(Axis(time, "time", "s"), acting, np.ones(time.size), "drive")
 
 
 def _pushed(
@@ -139,7 +181,7 @@ def _pushed(
         if effect.needs_position
         else Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
     )
-    return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size))
+    return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size), "force")
 
 
 @njit(
@@ -162,15 +204,3 @@ def _push(
         push[k] = force(z[k], w[k], memory, q)
         update(z[k], z[min(k + 1, z.size - 1)], interval, memory, q)
     return push
-
-
-def _joined(courses: Sequence[LawCourse | None]) -> LawCourse | None:
-    """Return the courses of several records as one."""
-    there = [course for course in courses if course is not None]
-    if len(there) < len(courses):
-        return None
-    return LawCourse(
-        there[0].along._replace(values=np.concatenate([c.along.values for c in there])),
-        there[0].value._replace(values=np.concatenate([c.value.values for c in there])),
-        np.concatenate([c.idle for c in there]),
-    )

@@ -156,13 +156,13 @@ def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
     laws = banded_laws(diagnosis.problem, diagnosis.final, diagnosis.uncertainty.covariance)
     for number, law in enumerate(laws, 1):
         if law is not None:
-            (along, name, unit), (value, made, made_unit), idle = law.course
+            along, made = law.course.along, law.course.value
             columns = (
-                ("along", along, unit, name),
-                ("value", value, made_unit, made),
-                ("low", law.low, made_unit, f"{made}: lower end of its 95 % band"),
-                ("high", law.high, made_unit, f"{made}: upper end of its 95 % band"),
-                ("idle", idle, made_unit, "without the law"),
+                ("along", along.values, along.unit, along.name),
+                ("value", made.values, made.unit, made.name),
+                ("low", law.low, made.unit, f"{made.name}: lower end of its 95 % band"),
+                ("high", law.high, made.unit, f"{made.name}: upper end of its 95 % band"),
+                ("idle", law.course.idle, made.unit, "without the law"),
             )
             for part, values, its_unit, meaning in columns:
                 found[f"law_{number}_{part}"] = variable("time", values, its_unit, meaning)

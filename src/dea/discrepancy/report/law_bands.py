@@ -30,15 +30,19 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
     motions = extended.motions(fit.values, samples.u, samples.interval)
     low, high = extended.bounds
 
-    def courses(coordinates: np.ndarray) -> list[LawCourse | None]:
+    def courses(
+        coordinates: np.ndarray, like: list[LawCourse | None] | None = None
+    ) -> list[LawCourse | None]:
         values = extended.values(np.clip(coordinates, low, high))
-        return law_courses(extended, values, samples.u, samples.interval, motions)
+        return law_courses(extended, values, samples.u, samples.interval, motions, like)
+
+    fitted = courses(fit.coordinates)
 
     def made(coordinates: np.ndarray, index: int) -> np.ndarray:
-        return cast(LawCourse, courses(coordinates)[index]).value.values
+        return cast(LawCourse, courses(coordinates, fitted)[index]).value.values
 
     banded: list[BandedLaw | None] = []
-    for index, course in enumerate(courses(fit.coordinates)):
+    for index, course in enumerate(fitted):
         if course is None:
             banded.append(None)
             continue
