@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.discrepancy.evidence.period import exact_period, period_of
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import best_of_each_set, judged
-from dea.discrepancy.search.hints import foreign_lines, jumps, lines
+from dea.discrepancy.search.hints import _around, foreign_lines, jumps, lines
 
 INTERVAL, SAMPLES = 0.02, 3000
 T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
@@ -104,13 +105,38 @@ def test_a_wave_is_told_from_an_input_of_few_periods(seed, order):
     assert foreign_lines(problem, residual)[0] == pytest.approx(frequency, abs=0.2 / 60)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_what_few_periods_repeat_is_no_foreign_line(seed):
-    u, own = few_periods(seed)
-    bent = own + 0.1 * own**2 + 0.1 * np.random.default_rng(seed).standard_normal(SAMPLES)
-    for frequency in foreign_lines(recorded(u, bent), bent):
-        order = frequency * 980 * INTERVAL
-        assert abs(order - round(order)) > 0.15 * 980 / SAMPLES
+@pytest.mark.parametrize("period", [50.3, 97.4, 150.45, 980.3, 1400.6])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_an_input_repeats_is_no_foreign_line_whatever_its_period(seed, period):
+    """The period is mostly no whole number of samples."""
+    rng = np.random.default_rng(seed)
+    angle = 2.0 * np.pi * np.arange(SAMPLES) / period
+    for u in (np.sin(angle), sum(np.cos(k * angle + k * k) for k in range(1, 8))):
+        bent = np.clip(u, -0.5, 0.7) - 0.4 * u + 0.1 * u**2
+        residual = bent + 0.002 * rng.standard_normal(SAMPLES)
+        for frequency in foreign_lines(recorded(u, residual), residual):
+            order = frequency * period * INTERVAL
+            assert abs(order - round(order)) * SAMPLES / period > 0.1
+
+
+@pytest.mark.parametrize("period", [50.3, 97.4, 980.3, 1400.6])
+def test_a_period_is_told_to_a_part_of_a_sample(period):
+    u = np.sin(2.0 * np.pi * np.arange(SAMPLES) / period)
+    assert exact_period(u, period_of(u)) == pytest.approx(period, abs=0.01)
+
+
+@pytest.mark.parametrize("spacing", [0, 1, 6])
+def test_the_noise_around_a_line_is_the_median_beside_it(spacing):
+    rng = np.random.default_rng(spacing)
+    power = rng.exponential(size=400)
+    power[200] = 1e6
+    highest = np.array([power[max(0, i - spacing) : i + spacing + 1].max() for i in range(400)])
+    beside, far = 3 + spacing, 30 + 10 * spacing
+    step = max(spacing // 3, 1)
+    side = range(beside + 1, far + 1, step)
+    expected = np.median([highest[200 + sign * k] for k in side for sign in (-1, 1)])
+    drawn = np.median(rng.exponential(size=(20_001, 2 * spacing + 1)).max(axis=1))
+    assert _around(power, spacing)[200] == pytest.approx(expected / drawn, rel=0.03)
 
 
 def test_the_period_is_that_of_each_record():

@@ -33,6 +33,27 @@ def period_of(u: np.ndarray) -> int:
     return int(first + np.argmax(around))
 
 
+def exact_period(u: np.ndarray, period: int) -> float:
+    """Return the period of ``u`` (n,), which is about so many samples, to a part of a sample.
+
+    It is told by the vertex of a parabola through the correlation with itself as many periods later
+    as there are lags.
+    """
+    moving = [each for each in by_input(u) if (each - each.mean()).any()]
+    longest = int(_LONGEST * len(u))
+    repeats = max((longest - 2) // period, 1)
+    # The whole number of samples is off by half of one at the most.
+    off = repeats // 2 + 1
+    lags = repeats * period + off + 2
+    correlation = np.min([_correlation(each, lags) for each in moving], axis=0)
+    first = repeats * period - off
+    peak = first + int(np.argmax(correlation[first:-1]))
+    left, middle, right = correlation[peak - 1 : peak + 2]
+    curvature = left - 2.0 * middle + right
+    beside = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
+    return float(peak + np.clip(beside, -0.5, 0.5)) / repeats
+
+
 def _correlation(u: np.ndarray, longest: int) -> np.ndarray:
     """Return the correlation of an input with itself at lags below ``longest``."""
     centred = u - u.mean()

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from dea.discrepancy.evidence.period import exact_period
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 
@@ -60,7 +61,7 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     if not period:
         sharp = _sharpest(frequency, power, power <= _LEAST * power.max(), 0)
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
-    spacing = (own.stop - own.start) / period
+    spacing = (own.stop - own.start) / exact_period(problem.u[own], period)
 
     def harmonic(places: np.ndarray, within: float) -> np.ndarray:
         """Return which places, in bins, are at a harmonic of the input, or near to one."""
@@ -101,15 +102,16 @@ def _around(power: np.ndarray, spacing: int) -> np.ndarray:
     distribution with a mean of one. Where lines stand ``spacing`` bins apart, it is that of the
     highest power within that distance.
     """
-    from scipy.ndimage import maximum_filter1d, median_filter
+    from scipy.ndimage import maximum_filter1d
 
-    beside, far = _LINE + spacing, _AROUND + _HARMONICS_AROUND * spacing
-    there = np.ones(2 * far + 1, bool)
-    there[far - beside : far + beside + 1] = False
+    far = _AROUND + _HARMONICS_AROUND * spacing
+    # The highest power over a stretch is nearly that over the next one.
+    side = np.arange(_LINE + spacing + 1, far + 1, max(spacing // 3, 1))
     width = 2 * spacing + 1
-    highest = median_filter(maximum_filter1d(power, width), footprint=there, mode="reflect")
-    level: np.ndarray = highest / -np.log1p(-(0.5 ** (1.0 / width)))
-    return level
+    highest = np.pad(maximum_filter1d(power, width), far, mode="symmetric")
+    places = far + np.arange(power.size)[:, np.newaxis] + np.concatenate([-side, side])
+    level: np.ndarray = np.median(highest[places], axis=1)
+    return level / -np.log1p(-(0.5 ** (1.0 / width)))
 
 
 def _longest(problem: Problem) -> int:
