@@ -63,6 +63,19 @@ def test_a_helper_is_seen_and_read_anew_whenever_its_simulation_is_loaded(projec
     assert sys.modules["rates_of_mine"].EDITED
 
 
+def test_a_simulation_whose_classes_look_at_their_module_is_loaded_again(project):
+    file = Path("mine/classes.py")
+    write_simulation(file)
+    header = "from __future__ import annotations\nfrom dataclasses import dataclass\n\n\n"
+    header += "@dataclass\nclass Own:\n    rate: float = 2.0\n\n\n"
+    file.write_text(header + file.read_text())
+    with files_read():
+        load_simulation(file)
+    with files_read():
+        load_simulation(file)
+    load_simulation(file)
+
+
 def test_a_job_keeps_what_its_simulation_reads(project, monkeypatch):
     monkeypatch.setenv(provenance.JOB, "results/a/log/diagnose.log")
     monkeypatch.setenv(provenance.RULE, "diagnose")

@@ -24,7 +24,7 @@ def files_read() -> Iterator[set[Path]]:
 
     Modules count wherever they are, other files below the working folder; those of this package and
     of installed ones do not, nor does what a C library opens. Below the working folder, paths are
-    relative. A module of a user's is imported anew in every block, so that each sees it as it is.
+    relative. A module of a user's that an earlier block imported is imported anew, as it is now.
     """
     _watch()
     before = {name: sys.modules.pop(name) for name in _own & set(sys.modules)}

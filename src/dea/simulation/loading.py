@@ -50,10 +50,10 @@ def load_simulation(name: str | Path) -> Simulation:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    # Functions that numba keeps compiled are found again by the module's name.
-    sys.modules[spec.name] = module
     try:
         with files_read() as read:
+            # Functions that numba keeps compiled are found again by the module's name.
+            sys.modules[spec.name] = module
             spec.loader.exec_module(module)
     except InputError as error:
         raise _explained(error, path) from error
