@@ -628,6 +628,10 @@ def test_a_file_that_is_changed_in_memory_is_not_saved_as_that_file(tmp_path):
     extended = prepared(own, np.ones(100), DT, 1e-3)
     save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, tmp_path / "a.yaml")
     assert load_extended(tmp_path / "a.yaml")[0].simulation.source == str(path)
+    linear = replace(extended, simulation=own.interpolated("linear"))
+    save_extended(linear, extended.values(np.zeros(extended.free.size)), DT, tmp_path / "a.yaml")
+    again = load_extended(tmp_path / "a.yaml")[0].simulation
+    assert (again.source, again.input_interpolation) == (str(path), "linear")
     filtered = replace(extended, simulation=replace(own, sensor_filter=SensorFilter(2.0)))
     values = filtered.values(np.zeros(filtered.free.size))
     with pytest.raises(InputError, match="made or changed in memory"):

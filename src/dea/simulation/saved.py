@@ -1,7 +1,7 @@
 """Extended simulations as files: they load and simulate without the record they came from."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,6 @@ from dea.errors import InputError
 from dea.simulation.attached import Attached
 from dea.simulation.effects import catalogue
 from dea.simulation.extended import ExtendedSimulation
-from dea.simulation.interpolation import InputInterpolation
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
@@ -75,14 +74,7 @@ def _comes_with_the_library(simulation: Simulation) -> bool:
     except InputError:
         return False
     # What the input does between samples is saved.
-    return _interpolated(own, simulation.input_interpolation) == simulation
-
-
-def _interpolated(simulation: Simulation, how: InputInterpolation) -> Simulation:
-    """Return a simulation whose input does that between samples; itself where it does."""
-    if simulation.input_interpolation == how:
-        return simulation
-    return replace(simulation, input_interpolation=how)
+    return own.interpolated(simulation.input_interpolation) == simulation
 
 
 def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
@@ -115,7 +107,7 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             for e in effects
         )
         extended = ExtendedSimulation(
-            _interpolated(load_simulation(content["simulation"]), content["input_interpolation"]),
+            load_simulation(content["simulation"]).interpolated(content["input_interpolation"]),
             attached,
             tuple(Normalisation(**each) for each in content["normalisations"]),
             content["substeps"],

@@ -1,7 +1,7 @@
 """A physics simulation of a device."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -94,6 +94,12 @@ class Simulation:
 
     def __post_init__(self) -> None:
         check(self)
+
+    def interpolated(self, how: InputInterpolation) -> "Simulation":
+        """Return the simulation of the same file whose input does that between samples."""
+        changed = replace(self, input_interpolation=how)
+        object.__setattr__(changed, "source", self.source)
+        return changed
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
