@@ -25,8 +25,8 @@ class Explanation:
     ----------
     mean : (k,)
     root : (k, k)
-        Lower triangular root of the covariance. The covariance itself, of a quiet sensor, may have
-        none in floating point.
+        Lower triangular root of the covariance, which of a quiet sensor may not be positive definite
+        once it is rounded.
     """
 
     extended: ExtendedSimulation
@@ -107,7 +107,7 @@ def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     spreads = [error.spread(J[part]) / problem.noise for part in fitted.records]
     scatter = triangle(np.vstack([*spreads, prior]))
     inverse = _inverse(triangle(np.vstack([J, prior])))
-    joint_root = inverse @ inverse.T @ scatter.T
+    joint_root = inverse @ (inverse.T @ scatter.T)
     own = joint.own_of_records
     places = {joint.names[i]: k for k, i in enumerate(joint.free) if not own[k]}
     kept = [k for k, i in enumerate(alone.free) if alone.names[i] in places]
