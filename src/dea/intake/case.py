@@ -1,5 +1,6 @@
 """From a file and what its user says of it to a case that can be run."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ _FAR, _FEW = 1e8, 100
 # Ranges of all other outputs by which one is away that marks what is missing, as -999 does, and its
 # least number; no more than a part of the samples is marked so, and others hold as many values.
 _AWAY, _TWICE, _MARKED, _VALUES = 10.0, 2, 0.1, 10
+_WHOLE = 0.1  # samples by which a hold may seem longer than a whole number
 _SEVERAL_RATES = 0.1  # share of steps below half of the usual one that are no jitter
 
 
@@ -202,7 +204,7 @@ def _resampling(
             f"the output holds each value for {held:.3g} samples: its sensor is read at"
             f" {rate:.4g} Hz"
         )
-        several = max(several, round(held))
+        several = max(several, math.ceil(held - _WHOLE))
     if several > 1 and not may_average:
         notes.append(
             f"every sample is kept for the simulation; without one, {several} would be averaged"
@@ -218,12 +220,9 @@ def _resampling(
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
     if several > 1:
-        beyond = (
-            ""
-            if several == round(held)
-            else (f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: ")
-        )
-        notes.append(f"{beyond}{several} samples are averaged into one")
+        highest = 1 / (20 * several * interval)
+        why = f"the output holds no power beyond {highest:.3g} Hz: " if several > held + 1.0 else ""
+        notes.append(f"{why}{several} samples are averaged into one")
     needed = missing.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
 
