@@ -285,6 +285,16 @@ def test_columns_of_frames_are_found_by_name_where_a_model_is_made_and_used():
     )
 
 
+def test_systems_of_one_structure_name_their_columns_alike():
+    one, other, y = frames()
+    first, second = dea.select_common_terms([(one, y), (other, y)], y_lags=1, u_lags=1, degree=1)
+    assert first.labels.u_name == second.labels.u_name == ("a", "b")
+    np.testing.assert_allclose(first.parameters, second.parameters)
+    elsewhere = other.set_axis(["p", "q"], axis=1)
+    models = dea.select_common_terms([(one, y), (elsewhere, y)], y_lags=1, u_lags=1, degree=1)
+    assert models[1].labels.u_name == ("p", "q")
+
+
 def test_refinement_takes_the_columns_that_the_model_names():
     one, other, y = frames()
     terms, whole = ("y(t-1)", "u1(t-1)", "u2(t-1)"), dea.Record.of(one, y, RATE)

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import dea
 from dea import store
 from dea.narx import NarxModel, Refined, nmse
 from dea.narx.inclusion import inclusion_frequency
@@ -54,3 +55,17 @@ def test_sure_terms_are_always_found_and_foreign_ones_are_not():
     np.testing.assert_array_equal(found, again)
     assert np.all(found[:3] == 1.0)
     assert np.all(found[3:] <= 0.5)
+
+
+def test_stretches_too_short_for_the_selection_are_left_out_of_its_resamples():
+    """The terms sought may need fewer lags than the search looks at."""
+    u = np.random.default_rng(3).uniform(-1.0, 1.0, 800)
+    y = NarxModel.from_terms({"y(t-1)": 0.6, "u(t-1)": 0.4}).simulate(u)
+    y = y + 1e-3 * np.random.default_rng(4).standard_normal(y.size)
+    y[[300, 308]] = np.nan
+    record = dea.Record.of(u, y, 50.0)
+    found = inclusion_frequency(
+        ["y(t-1)", "u(t-1)"], record, rng=np.random.default_rng(5), resamples=2, y_lags=4,
+        u_lags=4, degree=1,
+    )  # fmt: skip
+    assert found.tolist() == [1.0, 1.0]

@@ -9,9 +9,9 @@ from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx.estimation import as_segments, scaling_of
 from dea.narx.labels import Signals, unpacked
-from dea.narx.selection import search_terms
+from dea.narx.selection import least_stretch, search_terms
 from dea.store import Record
-from dea.terms import Term, as_terms, max_lag
+from dea.terms import Term, as_terms
 
 
 def inclusion_frequency(
@@ -60,7 +60,7 @@ def inclusion_frequency(
         if given < least:
             raise InputError(f"is {given}", field=field, remedy=f"Use {least} at least.")
     sought = as_terms(terms)
-    inputs, outputs, _ = unpacked(u, y, max_lag(sought), len(sought))
+    inputs, outputs, _ = unpacked(u, y, *least_stretch(u, **selection))
     records = as_segments(inputs, outputs)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection

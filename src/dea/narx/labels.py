@@ -88,6 +88,13 @@ class Labels:
         if names != called and sorted(names) == sorted(called):
             raise _unlike("names", ", ".join(called), ", ".join(names))
 
+    def names_columns_of(self, u: Any) -> bool:
+        """Return whether signals are frames whose columns have the names of these inputs."""
+        if records_in(u) is not None:
+            return False
+        columns = getattr(listed(u)[0], "columns", ())
+        return sorted(map(str, columns)) == sorted(each_text(self.u_name))
+
     def in_order(self, u: ArrayLike) -> ArrayLike:
         """Return signals, the columns of a frame in the order of the inputs that they name.
 

@@ -139,6 +139,23 @@ def search_terms(
     return Searched(terms, fit, segments, scale, labels, test, trace)
 
 
+def least_stretch(
+    u: Signals | Record | Sequence[Record],
+    *,
+    y_lags: Lags = 3,
+    u_lags: InputLags = 3,
+    degree: int = 3,
+    even_in_input: bool = False,
+    **_: Any,
+) -> tuple[int, int]:
+    """Return the largest lag of a search, and how many equations a stretch of a record must hold.
+
+    Parameters are those of :func:`select_terms`, of which the others do not matter.
+    """
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs_in(u))
+    return max_lag(candidates), _linear(candidates)
+
+
 def select_common_terms(
     records: Sequence[Record | tuple[Signals, Signals]],
     *,
@@ -182,7 +199,11 @@ def select_common_terms(
     inputs = inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
     lag, linear = max_lag(candidates), _linear(candidates)
-    known = [unpacked(u, y, lag, linear) for u, y in pairs]
+    known = [unpacked(*pairs[0], lag, linear)]
+    for u, y in pairs[1:]:
+        # Frames of the same names come in one order.
+        first = known[0][2] if known[0][2].names_columns_of(u) else None
+        known.append(unpacked(u, y, lag, linear, first))
     checked = [as_segments(u, y, lag, linear) for u, y, _ in known]
     scales = [scaling_of(each, not even_in_input) for each in checked]
     systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
