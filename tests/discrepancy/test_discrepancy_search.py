@@ -241,7 +241,8 @@ def test_a_limit_from_the_start_does_not_bear_the_name_of_an_event(since):
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(19.0,))
     law = extended.attach(catalogue()["step_fault"], scales)
-    start = (since + 0.7, 0.0, 0.0, 0.1, 0.0, 1.3, problem.u.min(), 0.0)
+    low, high = problem.u.min(), problem.u.max()
+    start = (since + 0.7, 0.0, 0.0, 0.1, 0.0, 1.3, low, 0.0, low, high)
     found = fit(problem, law, law.coordinates(np.concatenate([nominal.values, start])))
     assert problem.seen_rmse(found.residual) < 2.0 * NOISE
     candidate = judged(problem, found)

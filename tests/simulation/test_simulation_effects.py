@@ -1109,15 +1109,19 @@ def test_a_drift_goes_on_straight_where_no_sample_tells_it():
 
 
 def test_an_actuator_may_jam_within_a_part_of_its_range():
-    q = values("step_fault", instant=11.01, rise_time=1e-6, highest_input=2.0, lowest_input=0.5)
+    event = {"instant": 11.01, "rise_time": 1e-6, "range_low": U.min(), "range_high": U.max()}
+    q = values("step_fault", **event, highest_input=2.0, lowest_input=0.5)
     command = catalogue()["step_fault"].shape_input
     found = command(U, q, DT)
     late = T > 11.01
     np.testing.assert_array_equal(found[~late], U[~late])
     np.testing.assert_allclose(found[late], np.clip(U[late], 0.5, 2.0), atol=1e-12)
-    stuck = values("step_fault", instant=11.01, rise_time=1e-6, highest_input=1.0, lowest_input=1.0)
+    stuck = values("step_fault", **event, highest_input=1.0, lowest_input=1.0)
     np.testing.assert_allclose(command(U, stuck, DT)[late], 1.0, atol=1e-12)
     assert np.array_equal(command(U, values("step_fault"), DT), U)
+    # A constant that is added before moves the range with it.
+    np.testing.assert_allclose(command(U + 0.1, values("step_fault"), DT), U + 0.1, atol=1e-12)
+    np.testing.assert_allclose(command(U + 0.1, q, DT), found + 0.1, atol=1e-12)
 
 
 def test_a_reading_may_be_late_from_one_instant_on():

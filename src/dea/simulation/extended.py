@@ -264,9 +264,9 @@ class ExtendedSimulation:
         own = self.simulation
         if effect.force is not None:
             return len(self.ports_for(effect))
-        if effect.scale_drive is not None:
-            return len(own.drives)
-        return len(own.inputs) if effect.shape_input is not None else 1
+        if effect.shape_input is not None:
+            return len(own.inputs)
+        return len(own.drives) if effect.scale_drive is not None else 1
 
     def force_port_of(self, attached: Attached) -> ForcePort | None:
         """Return the force port of a force law, if the simulation has several."""

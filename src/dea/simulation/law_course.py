@@ -126,7 +126,8 @@ def _changes(
             found.append(_changed(effect, time, *axes, name))
         if effect.scale_drive is not None:
             factor = effect.scale_drive(time, q)
-            found.append(_Change(float(np.ptp(factor)), _scaled(own.drives[place], time, factor)))
+            drive = own.drives[min(place, len(own.drives) - 1)]
+            found.append(_Change(float(np.ptp(factor)), _scaled(drive, time, factor)))
         if effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
             axes = Axis(before, "output", own.output_unit), Axis(y, "reading", own.output_unit)

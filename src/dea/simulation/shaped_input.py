@@ -48,7 +48,9 @@ class ShapedInput:
             if a.effect.shape_input is not None:
                 acting[a.place] = a.effect.shape_input(acting[a.place], q, interval)
             if a.effect.scale_drive is not None:
-                scales[a.place] = scales[a.place] * a.effect.scale_drive(t, q)
+                # One drive may serve all inputs.
+                drive = min(a.place, len(scales) - 1)
+                scales[drive] = scales[drive] * a.effect.scale_drive(t, q)
         if lead:
             acting = [np.concatenate([np.full(lead, x[0]), x]) for x in acting]
             scales = [np.concatenate([np.full(lead, x[0]), x]) for x in scales]

@@ -52,8 +52,8 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 
     The sharpest lines come first: what the simulation lacks besides is broad, and may yet be
     higher. Where the input repeats, whatever is missing repeats with it, and a wave of any shape
-    with the input's period would explain it: a sharp line stands out among harmonics of the input,
-    and is none of them; others are not even near to one.
+    with the input's period would explain it. A line that stands out among the harmonics of the
+    input only must not be one of them; any other must not be within two bins of one.
     """
     longest = _longest(problem)
     own, period = problem.records[longest], problem.periods[longest]
@@ -110,8 +110,8 @@ def _around(power: np.ndarray, spacing: int) -> np.ndarray:
     width = 2 * spacing + 1
     highest = np.pad(maximum_filter1d(power, width), far, mode="symmetric")
     places = far + np.arange(power.size)[:, np.newaxis] + np.concatenate([-side, side])
-    level: np.ndarray = np.median(highest[places], axis=1)
-    return level / -np.log1p(-(0.5 ** (1.0 / width)))
+    level: np.ndarray = np.median(highest[places], axis=1) / -np.log1p(-(0.5 ** (1.0 / width)))
+    return level
 
 
 def _longest(problem: Problem) -> int:

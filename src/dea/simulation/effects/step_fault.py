@@ -9,6 +9,8 @@ from dea.simulation.scales import Scales
 
 # Parts of the range of the input that it loses at one end.
 _NARROWER = 0.25, 0.6
+# Instants at which these are tried, of those at which the residual changes most.
+_SHARPEST = 6
 # Part of the record after which an event can be told: what is so from the start is none.
 _SOONEST = 0.01
 
@@ -25,9 +27,13 @@ def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Keep the input within a range from the same instant, as an actuator that jams does."""
-    reached = np.clip(u, q[6], q[5])
-    result: np.ndarray = u + _after(interval * np.arange(u.size), q) * (reached - u)
+    """Keep the input within a range from the same instant, as an actuator that jams does.
+
+    Its ends are those of the input as recorded, which laws and offsets before may have moved.
+    """
+    least, most = q[6] + u.min() - q[8], q[5] + u.max() - q[9]
+    after = _after(interval * np.arange(u.size), q)
+    result: np.ndarray = u + after * (np.clip(u, least, most) - u)
     return result
 
 
@@ -50,7 +56,8 @@ def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain, offset and scale, and how long they take.
 
-    Then the range of the input from that instant on, and the lag of the reading.
+    Then the range of the input from that instant on, the lag of the reading, and the range of the
+    record.
     """
     dt, duration = scales.interval, scales.duration
     least, most = 0.5 * dt, 0.05 * duration
@@ -68,6 +75,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("highest_input", unit, high, 0.3 * span, low, high, shape=True),
         Parameter("lowest_input", unit, low, 0.3 * span, low, high, shape=True),
         Parameter("lag", "s", 0.0, 20 * dt, 0.0, 0.2 * duration, shape=True),
+        Parameter("range_low", unit, low, 0.0),
+        Parameter("range_high", unit, high, 0.0),
     )
 
 
@@ -85,13 +94,12 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     others = [(high - part * span, low, 0.0) for part in _NARROWER]
     others += [(high, low + part * span, 0.0) for part in _NARROWER]
     others += [(high, low, time) for time in scales.lags[1:]]
+    changes = [((step, whole), scales.jumps) for step in steps]
+    changes += [(((0.0, 0.0), other), scales.jumps[:_SHARPEST]) for other in others]
     return tuple(
-        (instant, *step, rise, 0.0, *other)
-        for instant in scales.jumps
-        for step, other in (
-            *((step, whole) for step in steps),
-            *(((0.0, 0.0), other) for other in others),
-        )
+        (instant, *step, rise, 0.0, *other, low, high)
+        for (step, other), instants in changes
+        for instant in instants
     )
 
 
