@@ -18,9 +18,8 @@ from dea.tables.trials import rates
 from dea.trials import wilson
 
 TRIALS = Path("results/trials")
-FORMS_SINCE = (
-    1472  # the first trial of forms that no diagnosis had been tuned on when it was judged
-)
+# The first trial of forms that no diagnosis had been tuned on when it was judged.
+FORMS_SINCE = 1472
 NOTHING = "name given on nothing"
 COUNTED = ("right name", "wrong name", "both of two", NOTHING, "name given on a foreign effect")
 

@@ -28,6 +28,6 @@ class Resolution(Section):
         default=None,
     )
     output_margin: NotNegative = key(
-        "part of the range of the records begun from by which a predicted output may leave it",
+        "how far a predicted output may leave the range of the first records, as a part of it",
         default=0.1,
     )

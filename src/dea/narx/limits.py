@@ -12,8 +12,8 @@ from dea.terms import Term
 # Times the largest departure of the measured outputs from their mean. A model whose run goes
 # beyond on inputs of the amplitudes and the spectrum of a record is bounded on that record alone.
 LEEWAY = 3.0
-# Times the same departure, beyond which a run has diverged; wider, since gains at rest may exceed
-# those recorded.
+# Times that departure, or in a fit times the largest modulus of the output, beyond which a run has
+# diverged; wider, since gains at rest may exceed those recorded.
 DIVERGED = 100.0
 
 

@@ -121,7 +121,7 @@ def _is_from_the_start(
 ) -> bool:
     """Return whether an event explains as much where it happens as soon as it can.
 
-    What a device has done from the start is no event. Of several records it is one in any of them.
+    What a device has done from the start is no event. Of several records all events are moved.
     """
     extended = candidate.fit.extended
     # How long an event takes is counted by its logarithm; an instant is not.
