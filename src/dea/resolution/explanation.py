@@ -25,8 +25,8 @@ class Explanation:
     ----------
     mean : (k,)
     root : (k, k)
-        Lower triangular root of the covariance, which of a quiet sensor may not be positive definite
-        once it is rounded.
+        Lower triangular root of the covariance, which for a quiet sensor may not be positive
+        definite once it is rounded.
     """
 
     extended: ExtendedSimulation
