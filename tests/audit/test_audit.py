@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from dea import archive, provenance
-from dea.audit import Manifest, collect, verify
+from dea.audit import Manifest, collect, verify, withdraw
 from dea.audit.__main__ import main
 from dea.audit.recompute import _close, recompute
 from dea.audit.verify import Finding, in_order, resting_on, spoilt_by
@@ -78,6 +78,13 @@ def first():
     return verify(Manifest.read())[0]
 
 
+def full(self, text, encoding):
+    """Write to a disk without space."""
+    with self.open("w") as file:
+        file.write(text[:10])
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
 def overwrite(file, content):
     """Change a file and keep its time."""
     time = Path(file).stat().st_mtime_ns
@@ -89,8 +96,38 @@ def test_an_untouched_study_passes(study, capsys):
     assert verify(Manifest.read()) == []
     main([])
     assert "6 results of 6 jobs are what they were made as" in capsys.readouterr().out
-    assert "Every result is what its job made" in Path("results/audit.md").read_text()
+    page = Path("results/audit.md").read_text()
+    assert "Every result is what its job made" in page
+    assert provenance.digest(Path("results/MANIFEST.json")) in page
     main([])  # its own page is nothing extra
+
+
+def test_an_audit_that_ends_early_leaves_no_page_of_an_earlier_one(study):
+    main([])
+    Path("results/MANIFEST.json").write_text("{}")
+    with pytest.raises(SystemExit):
+        main([])
+    assert not Path("results/audit.md").exists()
+
+
+def test_a_run_that_makes_results_removes_what_an_audit_said_of_those_before(study):
+    main([])
+    withdraw()
+    assert not Path("results/audit.md").exists()
+
+
+def test_what_is_broken_is_printed_where_the_page_cannot_be_written(study, monkeypatch, capsys):
+    Path("results/a/model.nc").write_text("edited\n")
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(SystemExit) as exit_:
+        main([])
+    assert exit_.value.code == 1
+    said = capsys.readouterr()
+    assert "broken: results/a/model.nc" in said.out
+    assert said.err == (
+        "error: results/audit.md: cannot be written (No space left on device)."
+        " Free space or allow writing there, or go by what is printed\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -425,11 +462,6 @@ def test_a_changed_setting_in_a_description_is_named(study):
 
 def test_a_manifest_that_a_full_disk_refuses_leaves_the_last_one_alone(study, monkeypatch):
     before = provenance.digest(Path("results/MANIFEST.json"))
-
-    def full(self, text, encoding):
-        with self.open("w") as file:
-            file.write(text[:10])
-        raise OSError(errno.ENOSPC, "No space left on device")
 
     manifest = collect()
     with monkeypatch.context() as disk:

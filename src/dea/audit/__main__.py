@@ -1,21 +1,25 @@
 """Audit the results: ``make audit``, or ``python -m dea.audit``.
 
 Exits with 0 where everything is as its job made it, with 1 where something is not, with 2 where
-there is no manifest to compare with. ``results/audit.md`` says it for people.
+there is no manifest to compare with. ``results/audit.md`` says it for people; what an earlier audit
+wrote there is removed before anything is compared.
 """
 
 import argparse
 import re
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 
-from dea import provenance
+from dea.atomic_file import atomic
 from dea.audit import quotations
-from dea.audit.manifest import FILE, Manifest, collect
+from dea.audit.manifest import FILE, PAGE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
-from dea.audit.verify import explained, notes, spoilt_by, verify
+from dea.audit.verify import Finding, explained, notes, spoilt_by, verify
 from dea.errors import InputError
 
 SHOWN = 10  # results and sentences named on the terminal; the page names all
@@ -33,6 +37,9 @@ def main(arguments: list[str] | None = None) -> None:
         if not FILE.exists():
             collect().write()
         return
+    begun = datetime.now(UTC)
+    with _disk_refuses("removed"):
+        PAGE.unlink(missing_ok=True)
     try:
         sample = _whole("SAMPLE", options.sample)
         seed = int(time.time()) if options.seed is None else _whole("SEED", options.seed)
@@ -50,12 +57,23 @@ def main(arguments: list[str] | None = None) -> None:
             print(f"made again: {products}: {'differs' if different else 'the same'}", flush=True)
             repeated.append(products)
             findings += different
-    text = page(manifest, findings, repeated)
-    (provenance.RESULTS / "audit.md").write_text(text, encoding="utf-8")
+    # Before the page, which a full disk or one without write access refuses.
+    _show(manifest, findings)
+    text = page(manifest, findings, repeated, begun)
+    with _disk_refuses("written"):
+        with atomic(PAGE) as partial:
+            partial.write_text(text, encoding="utf-8")
+        print(f"see {PAGE}")
+    if findings:
+        raise SystemExit(1)
+
+
+def _show(manifest: Manifest, findings: list[Finding]) -> None:
+    """Print the first finding and what rests on it, or that there is none."""
     if not findings:
         print(
             f"{len(manifest.products)} results of {len(manifest.jobs)} jobs are what they were made"
-            " as; see results/audit.md"
+            " as"
         )
         for note in notes(manifest):
             print(note)
@@ -69,8 +87,21 @@ def main(arguments: list[str] | None = None) -> None:
     if len(resting) > SHOWN:
         print(f"  and {len(resting) - SHOWN} more")
     if len(findings) > 1:
-        print(f"{len(findings) - 1} more findings; see results/audit.md")
-    raise SystemExit(1)
+        print(f"{len(findings) - 1} more findings")
+
+
+@contextmanager
+def _disk_refuses(done: str) -> Iterator[None]:
+    """Say that the page could not be ``done`` where the block fails for its disk, and go on."""
+    try:
+        yield
+    except OSError as error:
+        refused = InputError(
+            f"cannot be {done} ({error.strerror})",
+            file=PAGE,
+            remedy="Free space or allow writing there, or go by what is printed",
+        )
+        print(f"error: {refused}", file=sys.stderr)
 
 
 def _whole(name: str, text: str) -> int:

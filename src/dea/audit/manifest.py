@@ -13,6 +13,7 @@ from dea.atomic_file import atomic
 from dea.errors import InputError
 
 FILE = provenance.RESULTS / "MANIFEST.json"
+PAGE = provenance.RESULTS / "audit.md"  # what the last audit found
 # Held by the run of this project (workflow/alone.sh), whose process it names.
 LOCK = Path("build/lock")
 # Folders of logs and timings, and the suffix of such a file: a job that failed leaves some too.
@@ -68,6 +69,11 @@ class Manifest:
             sort_keys=True,
         )
 
+    @property
+    def digest(self) -> str:
+        """SHA-256 of its file, in hex."""
+        return hashlib.sha256(f"{self.text()}\n".encode()).hexdigest()
+
     def write(self, file: Path = FILE) -> None:
         """Write it, whole or not at all."""
         with atomic(file) as partial:
@@ -114,8 +120,9 @@ def _run_in_progress() -> str | None:
 
 
 def withdraw() -> None:
-    """Remove the manifest, since results are about to change."""
+    """Remove the manifest and what an audit said of it, since results are about to change."""
     FILE.unlink(missing_ok=True)
+    PAGE.unlink(missing_ok=True)
 
 
 def collect() -> Manifest:

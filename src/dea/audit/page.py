@@ -2,19 +2,24 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from datetime import datetime
 
 from dea.audit import quotations
 from dea.audit.manifest import Manifest
 from dea.audit.verify import Finding, explained, notes, spoilt_by
 
 
-def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str]) -> str:
+def page(
+    manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str], begun: datetime
+) -> str:
     """Return the audit as Markdown.
 
     Parameters
     ----------
     repeated
         Products that were made again.
+    begun
+        When the comparison began.
     """
     commits = Counter(job["run"]["commit"] for job in manifest.jobs.values())
     processors = Counter(job["run"]["processor"] for job in manifest.jobs.values())
@@ -26,6 +31,9 @@ def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str
         f"{len(manifest.products)} results of {len(manifest.jobs)} jobs were compared with"
         " `results/MANIFEST.json`: their content, the files that each was made from, the code that"
         " made it, and the installed packages.",
+        "",
+        f"The audit began at {begun.isoformat(timespec='seconds')}. The SHA-256 of the manifest was"
+        f" `{manifest.digest}`.",
         "",
         "| made from | jobs |",
         "|---|---|",
