@@ -16,6 +16,7 @@ import pytest
 from dea import archive, provenance
 from dea.audit import Manifest, collect, verify, withdraw
 from dea.audit.__main__ import main
+from dea.audit.crate import write
 from dea.audit.recompute import _close, recompute
 from dea.audit.verify import Finding, in_order, resting_on, spoilt_by
 from dea.errors import InputError
@@ -651,6 +652,53 @@ def test_one_byte_flipped_in_each_file_is_found(study):
             assert found[:1] == [str(file)]
         file.write_bytes(content)
     assert verify(Manifest.read()) == []
+
+
+@pytest.fixture
+def crate(study):
+    """Where the crate is written."""
+    Path("Snakefile").write_text("rule study:\n")
+    return Path("build/crate")
+
+
+@pytest.mark.parametrize(
+    ("file", "problem"),
+    [
+        ("results/a/model.nc", "is not what was made"),
+        ("config/device.yaml", "has changed since results were made from it"),
+    ],
+)
+def test_no_crate_is_written_of_what_differs_from_its_hash(study, crate, file, problem):
+    Path(file).write_text("edited\n")
+    with pytest.raises(InputError, match=rf"^{file}: {problem}.*`make audit` says what to do$"):
+        write(crate, {})
+    assert not crate.exists()
+
+
+def test_no_crate_is_written_without_a_described_result(study, crate):
+    Path("results/a/model.nc").unlink()
+    with pytest.raises(InputError, match=r"^results/a/model\.nc: is missing"):
+        write(crate, {})
+
+
+def test_a_crate_holds_sources_from_outside_of_the_project(
+    study, crate, monkeypatch, tmp_path_factory
+):
+    outside = tmp_path_factory.mktemp("outside")
+    (outside / "one").mkdir()
+    absolute = outside / "one/mine.csv"
+    relative = os.path.relpath(outside / "mine.csv")
+    absolute.write_text("t,u\n")
+    Path(relative).write_text("t,y\n")
+    monkeypatch.setitem(JOBS, "results/a/other.nc", ([str(absolute), relative], ["src/select.py"]))
+    make(monkeypatch, "results/a/other.nc")
+    write(crate, {})
+    kept = sorted((crate / "external").glob("*/mine.csv"))
+    assert {file.read_text() for file in kept} == {"t,u\n", "t,y\n"}
+    for file in kept:
+        assert provenance.digest(file).startswith(file.parent.name)
+    said = (crate / "ro-crate-metadata.json").read_text()
+    assert all(str(file.relative_to(crate)) in said for file in kept)
 
 
 def test_a_link_to_another_input_is_named(study, monkeypatch):

@@ -5,6 +5,7 @@ itself (:mod:`dea.provenance`) becomes an action; what is not known is left out.
 """
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -18,6 +19,8 @@ from rocrate.rocrate import ROCrate
 
 from dea import provenance
 from dea.audit.manifest import Manifest, collect
+from dea.audit.verify import verify
+from dea.errors import InputError
 
 WORKFLOW = Path("Snakefile")
 # All files that say what the workflow does, beside the code of its jobs.
@@ -28,6 +31,7 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/provenance/0.5": "Provenance Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
+EXTERNAL = Path("external")  # where the crate keeps files from outside of the project
 # Not in the context of RO-Crate 1.1, on which the profiles rest.
 TERMS = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
 
@@ -46,8 +50,18 @@ def write(folder: Path, spans: Mapping[str, JobTimes]) -> None:
     ----------
     spans
         By the path of a product, when its job ran; without one, the times are left out.
+
+    Raises
+    ------
+    InputError
+        If a result is not what its job made, or a source not what it was made from: the crate
+        would hold another file than it says.
     """
-    _Crate(collect(), spans).crate.write(folder)
+    manifest = collect()
+    if findings := verify(manifest):
+        path, problem = findings[0]
+        raise InputError(problem, file=path, remedy="`make audit` says what to do")
+    _Crate(manifest, spans).crate.write(folder)
 
 
 class _Crate:
@@ -153,13 +167,13 @@ class _Crate:
     def _file(self, path: str) -> Entity:
         """Return the entity of a file or folder of the project, which is added once."""
         if path not in self.entities:
+            sha = provenance.digest(Path(path))
+            place = _place(path, sha)
             if Path(path).is_dir():
-                self.entities[path] = self.crate.add_dataset(path, path)
+                self.entities[path] = self.crate.add_dataset(path, place)
             else:
-                known = self.manifest.products.get(path, {}).get("sha256")
-                sha = known or provenance.digest(Path(path))
                 facts = {"contentSize": str(Path(path).stat().st_size), "sha256": sha}
-                self.entities[path] = self.crate.add_file(path, path, properties=facts)
+                self.entities[path] = self.crate.add_file(path, place, properties=facts)
         return self.entities[path]
 
     def _context(self, reference: str, kind: str, /, **properties: Any) -> Entity:
@@ -168,6 +182,13 @@ class _Crate:
             entity[name] = value
         added: Entity = self.crate.add(entity)
         return added
+
+
+def _place(path: str, sha: str) -> Path:
+    """Return where in the crate a file or folder lies, which may be outside of the project."""
+    place = Path(os.path.relpath(path))
+    # The hash keeps two of one name apart.
+    return EXTERNAL / sha[:12] / place.name if place.parts[0] == os.pardir else place
 
 
 def _date(time: float) -> str:
