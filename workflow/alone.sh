@@ -2,7 +2,7 @@
 # Run a command that makes results as the only run of this project: alone.sh COMMAND ARGUMENT...
 # After one that removes them, `alone.sh --no-manifest COMMAND ARGUMENT...`, there is none to write.
 # The kernel frees this lock when a run is killed. Snakemake's own would stay: it runs with --nolock.
-# Where the run before was killed at its very end, nothing is left to do but the manifest.
+# Snakemake writes no manifest where nothing is to be made; the one before may be missing or damaged.
 set -euo pipefail
 mkdir -p build
 manifest=yes

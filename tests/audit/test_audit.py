@@ -501,6 +501,21 @@ def test_an_edited_manifest_is_refused(study, capsys):
     assert "is not as it was written" in capsys.readouterr().err
 
 
+def test_a_run_with_nothing_to_make_mends_a_damaged_manifest(study):
+    file = Path("results/MANIFEST.json")
+    written = file.read_text()
+    file.write_text(written[:100])
+    main(["--collect"])
+    assert file.read_text() == written
+
+
+def test_a_run_with_nothing_to_make_lists_an_edited_log(study):
+    Path("results/a/log/track.log").write_text("edited\n")
+    assert first().path == "results/a/log/track.log"
+    main(["--collect"])
+    assert verify(Manifest.read()) == []
+
+
 @pytest.fixture
 def signers(study):
     """The signature of the manifest, and who may have made it."""

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dea.atomic_file import atomic
 from dea.audit import quotations
-from dea.audit.manifest import FILE, PAGE, Manifest, collect
+from dea.audit.manifest import PAGE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
 from dea.audit.verify import Finding, explained, notes, spoilt_by, verify
@@ -31,11 +31,10 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--sample", default="0", metavar="N", help="jobs to run again")
     parser.add_argument("--seed", metavar="N", help="of the draw; the time otherwise")
     parser.add_argument("--signers", type=Path, help="who may have signed the manifest")
-    parser.add_argument("--collect", action="store_true", help="write a manifest where none is")
+    parser.add_argument("--collect", action="store_true", help="write the manifest")
     options = parser.parse_args(arguments)
     if options.collect:
-        if not FILE.exists():
-            collect().write()
+        collect().write()
         return
     begun = datetime.now(UTC)
     with _disk_refuses("removed"):
