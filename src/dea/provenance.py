@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import platform
+import shutil
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator, Mapping
@@ -86,6 +87,7 @@ def job(
     with _alone(Path(os.environ[JOB])):
         for file in [*products, *map(description_of, products)]:
             _forget_partial(file)
+        _forget_folders(products)
         found = {str(path): digest(path) for path in inputs}
         for path, sha in found.items():
             check(Path(path), sha)
@@ -141,6 +143,16 @@ def _forget_partial(file: Path) -> None:
     """Remove what a killed process left of a file that it did not finish."""
     for partial in file.parent.glob(f".{file.name}.*.partial"):
         partial.unlink()
+
+
+def _forget_folders(products: Iterable[Path]) -> None:
+    """Remove products that are folders, which a job of an earlier run may have made meanwhile.
+
+    Snakemake removes them when it begins a job, and cannot know of that one.
+    """
+    for product in products:
+        if product.is_dir():
+            shutil.rmtree(product)
 
 
 def _describe(product: Path, described: Job, run: Mapping[str, Any]) -> None:

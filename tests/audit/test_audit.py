@@ -764,6 +764,18 @@ def test_outside_of_the_workflow_nothing_is_kept(tmp_path, monkeypatch):
     assert not Path("results").exists()
 
 
+def test_a_job_makes_a_folder_anew_that_a_job_of_an_earlier_run_has_made_meanwhile(
+    study, monkeypatch
+):
+    sealed = Path("results/trials/sealed")
+    for name in ("orphan", "next"):
+        with job(monkeypatch, sealed, sources=[], code=["src/acquire.py"]):
+            sealed.mkdir(parents=True)
+            (sealed / f"{name}.json").write_text("{}")
+    assert [file.name for file in sealed.iterdir()] == ["next.json"]
+    assert found_after_another_run() == {}
+
+
 def test_a_job_whose_run_has_ended_leaves_its_products_to_the_next(study, monkeypatch):
     made = Path("results/a/track.nc").read_bytes()
     ended = subprocess.Popen(["true"])
