@@ -29,6 +29,18 @@ FOLDER = RESULTS / "provenance"
 JOB, RULE, CODE, COMMIT, RUN = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT", "DEA_RUN"
 # Key of a description: the SHA-256 of all else that it says.
 WHOLE = "description"
+# What a description holds, each of its kind; `run` may hold `blas` and `read` too.
+_OF_ALL = {"job": dict, "identity": str, "run": dict, "sha256": str}
+_OF_JOB = {
+    "name": str,
+    "rule": str,
+    "command": list,
+    "settings": dict,
+    "inputs": dict,
+    "code": dict,
+    "environment": str,
+}
+_OF_RUN = {"processor": str, "commit": str, "instructions": dict, "options": list}
 # With these a user makes numerical libraries take other instructions than the processor's best.
 INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
 
@@ -163,6 +175,37 @@ def _describe(product: Path, described: Job, run: Mapping[str, Any]) -> None:
         partial.write_text(f"{text}\n", encoding="utf-8")
 
 
+def read_description(file: Path) -> dict[str, Any]:
+    """Return what a description says; it holds at least what the jobs of now write.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is no description, or lacks something that one says.
+    """
+    said: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    whole = (
+        _holds(said, _OF_ALL)
+        and _holds(said["job"], _OF_JOB)
+        and said["job"].keys() == _OF_JOB.keys()
+        and _holds(said["run"], _OF_RUN)
+        and isinstance(said["run"].get("blas", ""), str)
+        and isinstance(said["run"].get("read", {}), dict)
+    )
+    if not whole:
+        raise ValueError("it is no description of a job")
+    return said
+
+
+def _holds(content: Any, kinds: Mapping[str, type]) -> bool:
+    """Return whether this is a mapping with a value of the right kind for each key."""
+    return isinstance(content, dict) and all(
+        isinstance(content.get(key), kind) for key, kind in kinds.items()
+    )
+
+
 def was_edited(description: Path) -> bool:
     """Return whether a description is another than the one that its job kept.
 
@@ -217,20 +260,18 @@ def check(path: Path, sha: str) -> None:
         return
     remedy = "Delete it and run again"
     try:
-        said = json.loads(description_of(path).read_text(encoding="utf-8"))
-        expected, name = said["sha256"], said["job"]["name"]
-        made_from = sources(said["job"], said.get("run", {})).items()
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        said = read_description(description_of(path))
+    except (OSError, ValueError) as error:
         raise InputError(
             f"nothing says which job made it ({error!r})", file=path, remedy=remedy
         ) from error
-    if sha != expected:
+    if sha != said["sha256"]:
         raise InputError(
-            f"it is not what the job {name} made (SHA-256 {expected[:12]}…)",
+            f"it is not what the job {said['job']['name']} made (SHA-256 {said['sha256'][:12]}…)",
             file=path,
             remedy=remedy,
         )
-    for source, then in made_from:
+    for source, then in sources(said["job"], said["run"]).items():
         if not Path(source).exists() or digest(Path(source)) != then:
             raise InputError(f"it was made from another {source}", file=path, remedy=remedy)
 

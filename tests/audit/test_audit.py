@@ -20,6 +20,7 @@ from dea.audit.crate import write
 from dea.audit.recompute import _close, recompute
 from dea.audit.verify import Finding, in_order, resting_on, spoilt_by
 from dea.errors import InputError
+from dea.report.origin import origin
 
 # Each result: what it is made from, and the code that makes it.
 JOBS = {
@@ -333,7 +334,11 @@ def test_no_run_makes_a_result_that_was_deleted_forgotten(study):
     assert problem.startswith("is missing")
 
 
-@pytest.mark.parametrize("damage", ["not JSON", "a list", "no job", "a list of files", "no commit"])
+@pytest.mark.parametrize(
+    "damage",
+    ["not JSON", "a list", "no job", "a list of files", "no run",
+     "no commit", "no processor", "no instructions", "no options"],
+)  # fmt: skip
 def test_a_description_that_cannot_be_read_is_none(study, damage):
     file = provenance.description_of(Path("results/tables/table1.csv"))
     said = json.loads(file.read_text())
@@ -344,8 +349,10 @@ def test_a_description_that_cannot_be_read_is_none(study, damage):
             said["job"] = {}
         case "a list of files":
             said["job"]["code"] = [*said["job"]["code"]]
-        case "no commit":
-            del said["run"]["commit"]
+        case "no run":
+            said["run"] = None
+        case "no commit" | "no processor" | "no instructions" | "no options":
+            del said["run"][damage.removeprefix("no ")]
     file.write_text("{" if damage == "not JSON" else json.dumps(said))
     assert found_after_another_run() == {
         "results/tables/table1.csv": "was made by no job",
@@ -733,6 +740,16 @@ def test_a_job_refuses_an_input_that_was_made_from_something_else(study, monkeyp
     make(monkeypatch, "results/a/record.nc", {"other": 1})
     with pytest.raises(InputError, match=r"model\.nc: it was made from another .*record\.nc"):
         make(monkeypatch, "results/tables/table1.csv")
+
+
+@pytest.mark.parametrize("missing", ["processor", "instructions"])
+def test_an_incomplete_description_is_named_by_the_report(study, missing):
+    file = provenance.description_of(Path("results/a/model.nc"))
+    said = json.loads(file.read_text())
+    del said["run"][missing]
+    file.write_text(json.dumps(said))
+    with pytest.raises(InputError, match=r"model\.nc: nothing says which job made it"):
+        origin(Path("results/a/model.nc"))
 
 
 @pytest.mark.parametrize("text", ["[]", '{"sha256": "0", "job": []}', '{"sha256": "0", "job": {}}'])

@@ -129,12 +129,14 @@ def collect() -> Manifest:
     """Return the manifest of the results that there are, from what their jobs kept.
 
     A result that is described and is not there is one of them: it is missing. A description that
-    cannot be read tells of none, and is none.
+    cannot be read, or is incomplete, tells of none, and is none.
     """
     products, jobs, described = {}, {}, set()
     for file in sorted(provenance.FOLDER.rglob("*.json")):
         product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
-        if (said := _description(file)) is None:
+        try:
+            said = provenance.read_description(file)
+        except (OSError, ValueError):
             continue
         products[str(product)] = {"sha256": said["sha256"], "job": said["identity"]}
         jobs[said["identity"]] = {**said["job"], "run": said["run"]}
@@ -146,25 +148,6 @@ def collect() -> Manifest:
         if file in described or (str(file) not in products and _is_beside(file))
     }
     return Manifest(products, jobs, others, provenance.packages())
-
-
-def _description(file: Path) -> dict[str, Any] | None:
-    """Return what a description says, ``None`` where it is none."""
-    try:
-        said = json.loads(file.read_text(encoding="utf-8"))
-        made = provenance.Job(**said["job"])
-        whole = (
-            isinstance(said["sha256"], str)
-            and isinstance(said["identity"], str)
-            and isinstance(said["run"]["commit"], str)
-            and isinstance(said["run"].get("read", {}), dict)
-            and isinstance(made.command, list)
-            and isinstance(made.inputs, dict)
-            and isinstance(made.code, dict)
-        )
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-    return said if whole else None
 
 
 def _is_beside(file: Path) -> bool:

@@ -46,10 +46,7 @@ def systems(product: Path) -> set[str]:
 
 def _said(product: Path) -> dict[str, Any]:
     provenance.check(product, provenance.digest(product))
-    said: dict[str, Any] = json.loads(
-        provenance.description_of(product).read_text(encoding="utf-8")
-    )
-    return said
+    return provenance.read_description(provenance.description_of(product))
 
 
 def _run(run: dict[str, Any]) -> str:
