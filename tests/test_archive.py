@@ -6,6 +6,7 @@ import pytest
 
 from dea import archive
 from dea.errors import InputError
+from dea.stages.take_record import take_record
 from synced_files import note_synced
 
 BEGUN = datetime(2026, 3, 1, 12, 30, 5, tzinfo=UTC)
@@ -44,7 +45,7 @@ def sealed_from_samples(root):
         (folder / "device.yaml").write_bytes(b"def")
         samples = folder / "samples.partial"
         samples.write_bytes(b"ghi")
-        return archive.seal(folder, {"excitation": "record"}, made_from=samples)
+        return archive.seal(folder, {"excitation": "record"})
 
 
 def test_what_a_record_was_made_from_is_removed_once_all_of_it_is_on_the_disk(
@@ -74,6 +75,39 @@ def test_a_record_that_cannot_be_sealed_keeps_what_it_was_made_from(tmp_path, mo
     with pytest.raises(OSError, match="No space"):
         sealed_from_samples(tmp_path)
     assert (tmp_path / "film1/20260301T123005Z.partial/samples.partial").read_bytes() == b"ghi"
+
+
+def crash_once_it_has_its_name(root, monkeypatch):
+    """Seal a record up to the moment when it has its name; return its folder."""
+
+    def crash(folder):
+        if folder.name == "film1":
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as crashing:
+        crashing.setattr(archive, "sync_folder", crash)
+        with pytest.raises(KeyboardInterrupt):
+            sealed_from_samples(root)
+    return root / "film1/20260301T123005Z"
+
+
+def test_a_seal_that_a_crash_ended_is_finished_where_the_record_is_taken(tmp_path, monkeypatch):
+    folder = crash_once_it_has_its_name(tmp_path, monkeypatch)
+    (folder / "link.nc").touch()
+    assert (folder / "samples.partial").exists()
+    taken = tmp_path / "record.nc"
+    take_record({}, folder / archive.MANIFEST, taken, tmp_path / "link.nc")
+    assert taken.read_bytes() == b"abc"
+    assert not (folder / "samples.partial").exists()
+    assert folder.stat().st_mode & 0o777 == 0o555
+
+
+def test_samples_beside_a_damaged_record_are_kept(tmp_path, monkeypatch):
+    folder = crash_once_it_has_its_name(tmp_path, monkeypatch)
+    (folder / "device.yaml").unlink()
+    with pytest.raises(InputError, match=r"device\.yaml: is missing"):
+        archive.finish(folder)
+    assert (folder / "samples.partial").read_bytes() == b"ghi"
 
 
 def test_a_refused_start_leaves_no_folder(tmp_path):

@@ -1,7 +1,8 @@
 """Records of hardware: ``records/NAME/TIME/``, read-only, each with a manifest.
 
-Nothing here deletes or overwrites. A folder takes its name when it is whole; one that an
-acquisition has left unfinished keeps the suffix ``.partial``.
+Nothing here deletes or overwrites, but for the samples that a whole record was made from. A folder
+takes its name when it is whole; one that an acquisition has left unfinished keeps the suffix
+``.partial``.
 """
 
 import hashlib
@@ -18,6 +19,7 @@ from dea.errors import InputError
 ROOT = Path("records")
 MANIFEST = "manifest.json"
 UNFINISHED = ".partial"
+SAMPLES = "samples.partial"  # what a record is made from
 FAULT = "fault"  # key of a manifest: why no sample of the record is good
 
 
@@ -147,18 +149,16 @@ def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Ite
                 empty.rmdir()
 
 
-def seal(folder: Path, content: Mapping[str, Any], made_from: Path | None = None) -> Path:
+def seal(folder: Path, content: Mapping[str, Any]) -> Path:
     """Write the manifest of an unfinished record, make it read-only, and give it its name.
 
-    All of it is on the disk then.
+    All of it is on the disk then. The samples are removed once the record has its name: a failure
+    or a crash at any moment leaves one of the two.
 
     Parameters
     ----------
     content
         What the manifest says; the SHA-256 of every file is added.
-    made_from
-        A file of the folder that is removed once the record has its name: a failure or a crash at
-        any moment leaves one of the two.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def seal(folder: Path, content: Mapping[str, Any], made_from: Path | None = None
     OSError
         Where the disk does not take it; the folder stays unfinished.
     """
-    files = sorted(path for path in folder.iterdir() if path.is_file() and path != made_from)
+    files = sorted(path for path in folder.iterdir() if path.is_file() and path.name != SAMPLES)
     for path in files:
         sync(path)
     digests = {path.name: _sha256(path) for path in files}
@@ -182,10 +182,28 @@ def seal(folder: Path, content: Mapping[str, Any], made_from: Path | None = None
     final = folder.with_suffix("")
     folder.rename(final)
     sync_folder(final.parent)
-    if made_from is not None:
-        (final / made_from.name).unlink()
+    (final / SAMPLES).unlink(missing_ok=True)
     final.chmod(0o555)
     return final
+
+
+def finish(folder: Path) -> dict[str, Any]:
+    """Compare a record with its manifest, which is returned, and end what :func:`seal` began.
+
+    A crash may have left the samples in a folder that has its name already. They are removed only
+    where all files agree with the manifest.
+
+    Raises
+    ------
+    InputError
+        As :func:`check`.
+    """
+    content = check(folder)
+    samples = folder / SAMPLES
+    if samples.exists():
+        samples.unlink()
+        folder.chmod(0o555)
+    return content
 
 
 def _folders(of_actuator: Path) -> list[Path]:

@@ -87,7 +87,7 @@ def keep(
     }
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
-        partial = folder / "samples.partial"
+        partial = folder / archive.SAMPLES
         acquired = acquisition.acquire_watched(device, played.volts, partial, options)
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
         with acquisition.samples_kept(partial):
@@ -108,7 +108,6 @@ def keep(
                 "flagged": store.flag_counts(acquired.record),
             }
             | ({archive.FAULT: fault} if fault else {}),
-            made_from=partial,
         )
     if fault:
         raise DeviceError(f"{kept} is kept, and no sample of it is good: see the line on its clock")

@@ -14,7 +14,7 @@ def take_record(settings: Mapping[str, Any], manifest: Path, record: Path, link:
     from dea import archive, store
 
     folder = manifest.parent
-    archive.check(folder)
+    archive.finish(folder)
     for name, path in (("record.nc", record), ("link.nc", link)):
         with store.atomic(path) as partial:
             shutil.copyfile(folder / name, partial)
