@@ -405,7 +405,8 @@ def source(tmp_path, monkeypatch, serve_bench):
         {"name": "dea1", "device": "config/devices/virtual_bench.yaml", "bench": "dea1"},
     ]
     study = check_study(content)
-    Path("config/config.yaml").write_text(yaml.safe_dump(content))
+    config = yaml.safe_dump(content)
+    Path("config/config.yaml").write_text(config)
     first = Path("results/film1/record.nc")
     begin_from(first)
 
@@ -413,7 +414,7 @@ def source(tmp_path, monkeypatch, serve_bench):
         actuator = next(each for each in study.actuators if each.name == name)
         device = modbus.read_device(Path(actuator.device))
         folder = Path("results/resolve") / name
-        return Driven(folder, first, LIMITS, {}, study, actuator, device, "A. Volta")
+        return Driven(folder, first, LIMITS, {}, study, config, actuator, device, "A. Volta")
 
     return make
 
@@ -438,6 +439,17 @@ def test_a_record_of_hardware_is_archived_and_not_driven_again(source):
     again = own.record(1, u)
     assert len(list(Path("records/film1").iterdir())) == 1
     np.testing.assert_array_equal(again["displacement"], record["displacement"])
+
+
+def test_the_configuration_is_kept_that_drove_a_record(source):
+    own, u = source("film1"), 1.5 + 0.2 * np.sin(np.arange(50) / 10)
+    put(own, 1, u)
+    file = Path("config/config.yaml")
+    read = file.read_text()
+    file.write_text(read.replace("ramp_rate: 20.0", "ramp_rate: 10.0"))
+    own.record(1, u)
+    (folder,) = Path("records/film1").iterdir()
+    assert (folder / "config.yaml").read_text() == read
 
 
 def test_hardware_with_high_voltage_is_armed_before_any_design(source, capsys):

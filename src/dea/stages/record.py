@@ -15,7 +15,7 @@ from dea import acquisition, archive, modbus, store
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.excitation import sections
-from dea.configuration.files import read_yaml
+from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_study
@@ -42,7 +42,8 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
         As :func:`dea.acquisition.acquire`. What was recorded until then stays in a folder whose
         name ends in ``.partial``.
     """
-    study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
+    config, content = read_text_and_yaml(FILE, what="the configuration", example=FILE)
+    study = check_study(content)
     check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
     actuator = _actuator(study.actuators, name)
     device = modbus.read_device(Path(actuator.device))
@@ -53,15 +54,20 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
         "excitation_name": excitation_name,
         "acquisition": written(study.acquisition),
     } | sections(written(study.excitation), excitation_name)
-    return keep(device, excitation(settings, device), settings, operator)
+    return keep(device, excitation(settings, device), settings, operator, config)
 
 
 def keep(
-    device: modbus.Device, played: PlayedExcitation, settings: Mapping[str, Any], operator: str
+    device: modbus.Device,
+    played: PlayedExcitation,
+    settings: Mapping[str, Any],
+    operator: str,
+    config: str,
 ) -> Path:
     """Drive a device and keep its record in ``records/``; return the folder of the record.
 
-    ``settings`` name the ``system`` and the ``excitation_name``, and hold ``acquisition``.
+    ``settings`` name the ``system`` and the ``excitation_name``, and hold ``acquisition``;
+    ``config`` is the text that they were read from, which is kept with the record.
 
     Raises
     ------
@@ -74,8 +80,8 @@ def keep(
     options = acquisition.AcquisitionSettings.from_mapping(
         settings["acquisition"] | ({"armed_by": operator} if operator else {})
     )
-    # As they are now: they may be edited during the drive.
-    beside = {"device.yaml": device.described, "config.yaml": Path(FILE).read_text()}
+    # As they were read: the files may have been edited since.
+    beside = {"device.yaml": device.described, "config.yaml": config}
     commissioned = acquisition.report_file(device_file)
     if commissioned.exists():
         beside["commissioned.json"] = commissioned.read_text()

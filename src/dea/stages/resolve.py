@@ -15,7 +15,7 @@ from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import DESIGNED, read_cases, simulation_of
-from dea.configuration.files import read_yaml
+from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, Study, check_study
@@ -42,7 +42,8 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         As the acquisition does; also where there is no record to begin from, or what is kept
         belongs to another one.
     """
-    study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
+    config, content = read_text_and_yaml(FILE, what="the configuration", example=FILE)
+    study = check_study(content)
     check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
     cases = {file.stem: case for file, case in read_cases(CASES, study).items()}
     actuators = {actuator.name: actuator for actuator in study.actuators}
@@ -82,7 +83,9 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     if device is not None:
         limits = _of_device(study, device, records[0])
         asked["device"] = hashlib.sha256(device.described.encode()).hexdigest()
-        source = Driven(folder, first, limits, asked, study, actuators[name], device, operator)
+        source = Driven(
+            folder, first, limits, asked, study, config, actuators[name], device, operator
+        )
     else:
         limits = _of_records(study, records)
         source = ByHand(folder, first, limits, asked, further, case, CASES / f"{name}.yaml")
@@ -184,9 +187,13 @@ def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
 
 @dataclass
 class Driven(Kept):
-    """An actuator that is driven over Modbus, virtual or not."""
+    """An actuator that is driven over Modbus, virtual or not.
+
+    ``config`` is the text that the study was read from.
+    """
 
     study: Study
+    config: str
     actuator: Actuator
     device: modbus.Device
     operator: str
@@ -254,7 +261,10 @@ class Driven(Kept):
         settings = self._settings(number)
         kept = self._archived(settings)
         played = PlayedExcitation(u, 0, xr.Dataset())
-        folder = kept[-1] if kept else keep(self.device, played, settings, self.operator)
+        if kept:
+            folder = kept[-1]
+        else:
+            folder = keep(self.device, played, settings, self.operator, self.config)
         take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
 
     def _archived(self, settings: Mapping[str, Any]) -> list[Path]:
