@@ -16,6 +16,7 @@ from made_outcomes import resolution_of
 
 import made_carriage
 from dea import archive, modbus, store
+from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.discrepancy import read_verdict
@@ -392,11 +393,11 @@ def begin_from(file, seed=0, **attributes):
 @pytest.fixture
 def source(tmp_path, monkeypatch, serve_bench):
     """Return what makes the source of records of an actuator: hardware, or virtual."""
-    bench = serve_bench()
+    served = serve_bench()
     shutil.copytree(ROOT / "config", tmp_path / "config")
     monkeypatch.chdir(tmp_path)
     description = yaml.safe_load(Path("config/devices/virtual_bench.yaml").read_text())
-    description["endpoint"] = {"host": "127.0.0.1", "port": bench.endpoint.port}
+    description["endpoint"] = {"host": "127.0.0.1", "port": served.endpoint.port}
     Path("config/devices/mine.yaml").write_text(yaml.safe_dump(description))
     content = read_yaml("config/config.yaml", what="", example="")
     content["acquisition"]["ramp_rate"] = 20.0
@@ -404,7 +405,7 @@ def source(tmp_path, monkeypatch, serve_bench):
         {"name": "film1", "device": "config/devices/mine.yaml"},
         {"name": "dea1", "device": "config/devices/virtual_bench.yaml", "bench": "dea1"},
     ]
-    study = check_study(content)
+    study, bench = check_study(content), read_bench(BENCH)
     config = yaml.safe_dump(content)
     Path("config/config.yaml").write_text(config)
     first = Path("results/film1/record.nc")
@@ -414,7 +415,7 @@ def source(tmp_path, monkeypatch, serve_bench):
         actuator = next(each for each in study.actuators if each.name == name)
         device = modbus.read_device(Path(actuator.device))
         folder = Path("results/resolve") / name
-        return Driven(folder, first, LIMITS, {}, study, config, actuator, device, "A. Volta")
+        return Driven(folder, first, LIMITS, {}, study, config, bench, actuator, device, "A. Volta")
 
     return make
 
@@ -533,6 +534,15 @@ def test_a_virtual_actuator_is_driven_once(source):
     np.testing.assert_array_equal(own.record(1, u)["displacement"], record["displacement"])
     assert file.stat().st_mtime_ns == before
     assert not Path("records").exists()
+
+
+def test_a_virtual_actuator_that_was_edited_since_the_study_was_read_is_not_driven(source):
+    own, u = source("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+    put(own, 1, u)
+    edited(BENCH, "actuators", "dea1", "leakage_ageing", value=3.0)
+    with pytest.raises(InputError, match=r"bench\.yaml: actuators\.dea1: has changed since"):
+        own.record(1, u)
+    assert not own.file(1).exists()
 
 
 def test_a_voltage_beyond_the_limits_is_refused_before_anything_is_driven(source):

@@ -13,7 +13,7 @@ import numpy as np
 from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
-from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.bench import BENCH, VirtualBench, read_bench
 from dea.configuration.case import DESIGNED, read_cases, simulation_of
 from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
@@ -44,7 +44,8 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     """
     config, content = read_text_and_yaml(FILE, what="the configuration", example=FILE)
     study = check_study(content)
-    check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
+    bench = read_bench(BENCH)
+    check_actuators(study, list(bench.actuators), BENCH)
     cases = {file.stem: case for file, case in read_cases(CASES, study).items()}
     actuators = {actuator.name: actuator for actuator in study.actuators}
     folder, further = results / "resolve" / name, results / name / "further"
@@ -84,7 +85,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         limits = _of_device(study, device, records[0])
         asked["device"] = hashlib.sha256(device.described.encode()).hexdigest()
         source = Driven(
-            folder, first, limits, asked, study, config, actuators[name], device, operator
+            folder, first, limits, asked, study, config, bench, actuators[name], device, operator
         )
     else:
         limits = _of_records(study, records)
@@ -189,11 +190,13 @@ def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
 class Driven(Kept):
     """An actuator that is driven over Modbus, virtual or not.
 
-    ``config`` is the text that the study was read from.
+    ``config`` is the text that the study was read from, ``bench`` the virtual actuators as they
+    were then.
     """
 
     study: Study
     config: str
+    bench: VirtualBench
     actuator: Actuator
     device: modbus.Device
     operator: str
@@ -230,20 +233,30 @@ class Driven(Kept):
         }
 
     def _drive(self, number: int, u: np.ndarray, file: Path) -> None:
-        """Drive a virtual actuator as the study does."""
-        from dea.stages.bench_process import bench_process
+        """Drive a virtual actuator as the study does.
+
+        Raises
+        ------
+        InputError
+            As :func:`dea.stages.bench_process.as_planned`.
+        """
+        from dea.stages.bench_process import as_planned, bench_process
         from dea.stages.driving import write
 
         settings = self._settings(number)
         job = seeds.generator(self.study.seed, self.actuator.name, settings["excitation_name"])
         options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
         partial = file.with_name(".samples.partial")
+        served = str(self.actuator.bench)
+        planned = written(self.study.bench) | {
+            "actuator": served,
+            "config": BENCH,
+            "plant": self.bench.actuators[served].model_dump(),
+        }
         with bench_process(
-            str(self.actuator.bench),
-            config=Path(BENCH),
+            **as_planned(planned),
             device=Path(self.actuator.device),
             seed=int(job.integers(2**31)),
-            watchdog_time=self.study.bench.watchdog_time,
         ) as answering:
             acquired = acquisition.acquire(answering, u, partial, options)
         files = {"link": file.with_name("link.nc"), "record": file}
