@@ -4,6 +4,7 @@ import errno
 import fcntl
 import json
 import os
+import re
 import shutil
 import subprocess
 from contextlib import contextmanager
@@ -636,6 +637,16 @@ def test_a_job_after_one_that_read_a_file_beside_its_inputs_is_run_again(study, 
     monkeypatch.setattr("dea.audit.recompute.subprocess.run", again)
     findings = [finding for _, found in recompute(manifest, len(JOBS), seed=1) for finding in found]
     assert findings == []
+
+
+def test_a_draw_of_jobs_can_be_repeated(study, monkeypatch, capsys):
+    monkeypatch.setattr("dea.audit.recompute._run", lambda *_: None)
+    monkeypatch.setattr("dea.audit.recompute._difference", lambda *_: None)
+    main(["--sample=3"])
+    drawn = capsys.readouterr().out
+    (seed,) = re.findall(r"SEED=(\d+)", drawn)
+    main(["--sample=3", f"--seed={seed}"])
+    assert capsys.readouterr().out == drawn
 
 
 def test_an_infinity_does_not_hide_other_values_that_differ():

@@ -52,6 +52,7 @@ def main(arguments: list[str] | None = None) -> None:
     if sample and not findings:
         from dea.audit.recompute import recompute
 
+        print(f"jobs are drawn with SEED={seed}", flush=True)
         for products, different in recompute(manifest, sample, seed):
             print(f"made again: {products}: {'differs' if different else 'the same'}", flush=True)
             repeated.append(products)
