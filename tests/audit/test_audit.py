@@ -605,6 +605,29 @@ def test_a_file_that_a_job_read_beside_its_inputs_is_named(study, monkeypatch):
     assert found_after_another_run() == {"helper.py": "is missing"}
 
 
+def repeat_in_this_process(monkeypatch):
+    """Let the audit run jobs again as :func:`make` does."""
+    began = Path.cwd()
+
+    def again(command, cwd, **_):
+        monkeypatch.chdir(cwd)
+        try:
+            (product,) = [word for word in command if word in JOBS]
+            make(monkeypatch, product)
+        except OSError as error:
+            return subprocess.CompletedProcess(command, 1, stderr=str(error))
+        finally:
+            monkeypatch.chdir(began)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr("dea.audit.recompute.subprocess.run", again)
+
+
+def found_when_made_again():
+    jobs = recompute(collect(), len(JOBS), seed=1)
+    return [finding for _, found in jobs for finding in found]
+
+
 def make_reading(monkeypatch, product, read):
     """Make a product again whose job reads a file beside its inputs."""
     content = Path.write_text
@@ -625,18 +648,23 @@ def test_a_job_after_one_that_read_a_file_beside_its_inputs_is_run_again(study, 
     for product in ("results/a/track.nc", "results/a/model.fmu", "results/tables/table1.csv"):
         make(monkeypatch, product)
     make(monkeypatch, "results/figures/fig3.png")
-    manifest, began = collect(), Path.cwd()
+    repeat_in_this_process(monkeypatch)
+    assert found_when_made_again() == []
 
-    def again(command, cwd, **_):
-        monkeypatch.chdir(cwd)
-        (product,) = [word for word in command if word in JOBS]
+
+def test_a_job_with_a_source_outside_of_the_project_is_run_again(
+    study, monkeypatch, tmp_path_factory
+):
+    outside = tmp_path_factory.mktemp("outside")
+    (outside / "mine.csv").write_text("t,y\n")
+    source = os.path.relpath(outside / "mine.csv")
+    assert source.startswith("..")
+    monkeypatch.setitem(JOBS, "results/a/other.nc", ([source], ["src/select.py"]))
+    monkeypatch.setitem(JOBS, "results/a/last.nc", (["results/a/other.nc"], ["src/select.py"]))
+    for product in ("results/a/other.nc", "results/a/last.nc"):
         make(monkeypatch, product)
-        monkeypatch.chdir(began)
-        return subprocess.CompletedProcess(command, 0)
-
-    monkeypatch.setattr("dea.audit.recompute.subprocess.run", again)
-    findings = [finding for _, found in recompute(manifest, len(JOBS), seed=1) for finding in found]
-    assert findings == []
+    repeat_in_this_process(monkeypatch)
+    assert found_when_made_again() == []
 
 
 def test_a_draw_of_jobs_can_be_repeated(study, monkeypatch, capsys):

@@ -32,8 +32,11 @@ def recompute(manifest: Manifest, count: int, seed: int) -> Iterator[tuple[str, 
     jobs = sorted(manifest.jobs)
     for identity in random.Random(seed).sample(jobs, min(count, len(jobs))):
         products = sorted(p for p, one in manifest.products.items() if one["job"] == identity)
-        with tempfile.TemporaryDirectory() as folder:
-            problem = _run(manifest, identity, Path(folder))
+        with tempfile.TemporaryDirectory() as root:
+            # As deep as the project, so that a path to a file outside of it stays within the root.
+            folder = Path(root, *Path.cwd().parts[1:])
+            folder.mkdir(parents=True)
+            problem = _run(manifest, identity, folder)
             if problem:
                 findings = [Finding(products[0], problem)]
             else:
@@ -41,7 +44,7 @@ def recompute(manifest: Manifest, count: int, seed: int) -> Iterator[tuple[str, 
                 findings = [
                     Finding(product, difference)
                     for product in products
-                    if (difference := _difference(manifest, product, Path(folder), run))
+                    if (difference := _difference(manifest, product, folder, run))
                 ]
         yield ", ".join(products), findings
 
@@ -77,18 +80,23 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
 
 
 def _bring(manifest: Manifest, source: str, folder: Path) -> None:
-    """Copy a result with what says that it is one: its description, and its own sources."""
+    """Copy a result with what says that it is one: its description, and its own sources.
+
+    Of a file outside of the project a link lies where its path leads from ``folder``.
+    """
     made_from = [source]
     if source in manifest.products:
         made_from += manifest.sources(source)
         made_from.append(str(provenance.description_of(Path(source))))
     for name in made_from:
         target = folder / name
-        # A file outside of the project is read where it is.
-        if target.exists() or not target.resolve().is_relative_to(folder.resolve()):
+        # A file with an absolute path is read where it is.
+        if target.exists() or Path(name).is_absolute():
             continue
         target.parent.mkdir(parents=True, exist_ok=True)
-        if Path(name).is_dir():
+        if not target.resolve().is_relative_to(folder.resolve()):
+            target.symlink_to(Path(name).resolve())
+        elif Path(name).is_dir():
             shutil.copytree(name, target)
         else:
             shutil.copyfile(name, target)
