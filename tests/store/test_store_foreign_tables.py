@@ -308,6 +308,35 @@ def test_fields_may_be_quoted_and_powers_of_ten_written(tmp_path):
     np.testing.assert_array_equal(found.columns["y"], [0.5, 3.0, 8.0])
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+@pytest.mark.parametrize("notes", [{5: '"note'}, {5: '"note', 6: '"note'}, {5: '"note', 11: '"'}])
+@pytest.mark.parametrize("other", [[], ["ok"]])
+def test_a_quote_that_would_swallow_rows_is_refused_with_its_line(
+    other, notes, separator, tmp_path
+):
+    rows = [[f"{k}.5", f"{k}", *([notes[k]] if k in notes else other)] for k in range(30)]
+    text = "\n".join(map(separator.join, [["u", "y", "note"], *rows]))
+    with pytest.raises(
+        InputError, match=r"line 7 begins a field with a quote mark that is not clo"
+    ):
+        read(tmp_path, text)
+
+
+def test_a_note_of_several_lines_is_one_field(tmp_path):
+    note = '"moved by hand,\n3 mm\n\nand ""back"""'
+    rows = [f"{k}.5,{k},{note if k % 4 == 0 else 'ok'}" for k in range(9)]
+    found = read(tmp_path, "\n".join(["u,y,note", *rows, "9.5,x,ok"]))
+    np.testing.assert_array_equal(found.columns["u"], np.arange(10) + 0.5)
+    assert found.words == {"y": "line 20: 'x'"}
+
+
+def test_headings_may_have_several_lines(tmp_path):
+    headings = '"Time\n(s)","Drive\nvoltage\n(V)","Position\r\n(mm)"'
+    found = read(tmp_path, f'5" film\n{headings}\n' + "1,2,3\n" * 9)
+    assert found.units == {"Time": "s", "Drive voltage": "V", "Position": "mm"}
+    np.testing.assert_array_equal(found.columns["Position"], [3.0] * 9)
+
+
 def test_powers_of_ten_may_be_those_of_fortran(tmp_path):
     found = read(tmp_path, "u,y\n1.5D-3,1d2\n-2.D0,3\n7,8D+01\n")
     np.testing.assert_array_equal(found.columns["u"], [1.5e-3, -2.0, 7.0])

@@ -18,6 +18,7 @@ from dea.store.foreign_files.headings import (
     is_data,
     is_number,
 )
+from dea.store.foreign_files.quoted import is_open, joined
 from dea.store.foreign_files.table import MISSING, ForeignTable, from_columns
 
 _COMMENTS = ("#", "%", "//", "!")
@@ -38,14 +39,15 @@ def read_text(file: Path) -> ForeignTable:
     """Read a table of text: tab, semicolon, comma, bar or spaces, decimal point or comma.
 
     Lines of comment, lines before the table, a line of units below the headings, headings within
-    the last comment, quoted numbers, and a separator at the end of each line are understood. Where
-    only some lines end with one, the last field of these is empty: a missing number.
+    the last comment, quoted numbers, quoted fields of several lines, and a separator at the end of
+    each line are understood. Where only some lines end with one, the last field of these is empty:
+    a missing number.
 
     Raises
     ------
     InputError
-        If no line holds two numbers, a line holds more or fewer than the table, or two columns have
-        one name.
+        If no line holds two numbers, a line holds more or fewer than the table, a quote is not
+        closed, or two columns have one name.
     """
     # A tab at the end of a line may separate an empty field.
     whole = [line.rstrip(" ") for line in _decoded(file).splitlines()]
@@ -56,6 +58,8 @@ def read_text(file: Path) -> ForeignTable:
         raise InputError(
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
+    rows, begins = joined(rows, layout.separator, lambda line: _is_like_a_row(line, layout))
+    numbered = [numbered[i] for i in begins]
     begin = _first_row(rows, numbered, layout, file)
     # Above a last column in which there is nothing a heading may stand.
     widest = layout.columns + layout.closed
@@ -63,6 +67,7 @@ def read_text(file: Path) -> ForeignTable:
     first = [_fields(row, layout) for row in rows[begin : begin + 2]]
     if not above and len(first) == 2 and counts_columns(*first):
         above, begin = first[:1], begin + 1
+    _refuse_open_quotes(rows[begin:], numbered[begin:], layout, file)
     _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
     if layout.separator == " ":
         _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
@@ -120,6 +125,26 @@ def _goes_on(row: str, whole: Sequence[bool], layout: Layout) -> bool:
         and any(words)
         and not any(map(is_number, words))
     )
+
+
+def _refuse_open_quotes(
+    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
+) -> None:
+    """Refuse a quote mark that would take the rows below it for text.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    for row, number in zip(rows, numbered, strict=True):
+        if is_open(row, layout.separator):
+            raise InputError(
+                f"line {number + 1} begins a field with a quote mark that is not closed before the"
+                " next row",
+                file=file,
+                remedy="Close the quote, or delete its mark",
+            )
 
 
 def _refuse_wide_rows(
@@ -268,3 +293,9 @@ def _pointed(fields: Sequence[str], decimal: str) -> list[str]:
 
 def _is_row(fields: Sequence[str], layout: Layout) -> bool:
     return len(fields) == layout.columns and is_data(_pointed(fields, layout.decimal))
+
+
+def _is_like_a_row(line: str, layout: Layout) -> bool:
+    """Tell whether a line, whole or not as wide as the table, holds the numbers of a row."""
+    fields = _fields(line, layout)
+    return len(fields) > 1 and is_data(_pointed(fields[: layout.columns], layout.decimal))
