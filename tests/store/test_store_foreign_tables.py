@@ -337,6 +337,14 @@ def test_headings_may_have_several_lines(tmp_path):
     np.testing.assert_array_equal(found.columns["Position"], [3.0] * 9)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_name_may_hold_a_separator_of_unicode(end, tmp_path):
+    lines = ["t,drive\u2028voltage,y\x0c", *["1,2,3"] * 9, "1,x,3"]
+    found = read(tmp_path, end.join(lines))
+    assert list(found.columns) == ["t", "drive\u2028voltage", "y"]
+    assert found.words == {"drive\u2028voltage": "line 11: 'x'"}
+
+
 def test_powers_of_ten_may_be_those_of_fortran(tmp_path):
     found = read(tmp_path, "u,y\n1.5D-3,1d2\n-2.D0,3\n7,8D+01\n")
     np.testing.assert_array_equal(found.columns["u"], [1.5e-3, -2.0, 7.0])

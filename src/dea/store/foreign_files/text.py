@@ -1,6 +1,7 @@
 """Tables of text as instruments write them: which character separates, where the numbers begin."""
 
 import csv
+import re
 from collections.abc import Sequence
 from io import StringIO
 from itertools import product
@@ -21,6 +22,8 @@ from dea.store.foreign_files.headings import (
 from dea.store.foreign_files.quoted import is_open, joined
 from dea.store.foreign_files.table import MISSING, ForeignTable, from_columns
 
+# str.splitlines splits at form feeds and separators of Unicode as well, which names may hold.
+_LINE_END = re.compile(r"\r\n|\r|\n")
 _COMMENTS = ("#", "%", "//", "!")
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _DECIMALS = (".", ",")
@@ -50,7 +53,7 @@ def read_text(file: Path) -> ForeignTable:
         closed, or two columns have one name.
     """
     # A tab at the end of a line may separate an empty field.
-    whole = [line.rstrip(" ") for line in _decoded(file).splitlines()]
+    whole = [line.rstrip(" ") for line in _LINE_END.split(_decoded(file))]
     remarks, numbered = _without_comments(whole)
     rows = [whole[i] for i in numbered]
     layout = _layout(rows)
