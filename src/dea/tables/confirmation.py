@@ -45,7 +45,6 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
     band = part.isel(frequency=part["in_band"].values == 1)
     even = part.isel(even_frequency=part["even_in_band"].values >= _OF_THE_BAND)
     gain = np.hypot(*band["response"].transpose("part", "frequency").values)
-    frequency = part["frequency"].values
     sizes = np.hypot(*even["ratio"].transpose("part", "even_frequency").values)
     row: dict[str, str | float] = {
         "lines": int(band["inside"].size),
@@ -61,9 +60,20 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
         "median ratio": float(np.median(sizes)) if sizes.size else np.nan,
     }  # fmt: skip
     for beyond in _BEYOND:
-        nearest = int(np.argmin(np.abs(np.log(frequency / beyond))))
-        row[f"gain at {beyond:g} Hz (%)"] = 100 * float(part["gain_difference"][nearest])
+        row[f"gain at {beyond:g} Hz (%)"] = 100 * _extrapolated(part, beyond)
     return row
+
+
+def _extrapolated(part: xr.Dataset, beyond: float) -> float:
+    """Return the difference of gain at the line nearest to ``beyond`` Hz.
+
+    It is NaN where that line is in the band, or the last one more than a spacing below.
+    """
+    frequency = part["frequency"].values
+    nearest = int(np.argmin(np.abs(np.log(frequency / beyond))))
+    if part["in_band"][nearest] == 1 or beyond > frequency[-1] ** 2 / frequency[-2]:
+        return np.nan
+    return float(part["gain_difference"][nearest])
 
 
 def _largest(values: xr.DataArray) -> float:
