@@ -287,4 +287,4 @@ benchmark: $(VENV)/installed ## speed of identification, tracking and simulation
 
 clean: ## remove every generated result (the environment stays)
 	workflow/alone.sh --no-manifest sh -c \
-		'find results -mindepth 1 ! -path results/README.md -delete && rm -rf .snakemake'
+		'find results/ -mindepth 1 ! -path results/README.md -delete && rm -rf .snakemake'

@@ -215,3 +215,12 @@ def test_results_are_not_removed_under_a_run(folder):
     assert status == 0
     assert [file.name for file in (folder / "results").iterdir()] == ["README.md"]
     assert not programs(said), "there is no manifest to write"
+
+
+def test_results_on_another_disk_are_removed_too(folder, tmp_path):
+    (folder / "results").rename(tmp_path / "disk")
+    (folder / "results").symlink_to(tmp_path / "disk")
+    (folder / "results/README.md").touch()
+    assert make(folder, "clean")[0] == 0
+    assert (folder / "results").is_symlink()
+    assert [file.name for file in (tmp_path / "disk").iterdir()] == ["README.md"]
