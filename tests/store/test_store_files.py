@@ -110,6 +110,39 @@ def test_wrong_units_and_dimensions_name_file_field_and_remedy(tmp_path):
         store.write(record().rename_dims(time="sample"), tmp_path / "record.nc", title="")
 
 
+def test_a_damaged_file_is_named(tmp_path):
+    """Whatever its library says, of which the next test has more."""
+    path, messages = tmp_path / "record.nc", []
+    store.write(record(), path, title="A record")
+    whole = np.frombuffer(path.read_bytes(), np.uint8)
+    for seed in range(40):
+        content = whole.copy()
+        at = np.random.default_rng(seed).integers(whole.size // 2, whole.size, size=10)
+        content[at] ^= 255
+        # Each has a path of its own, by which libraries keep files that they opened.
+        file = tmp_path / f"{seed}" / "record.nc"
+        file.parent.mkdir()
+        file.write_bytes(content.tobytes())
+        try:
+            store.read(file)
+        except InputError as error:
+            messages.append(str(error))
+    assert len(messages) > 20
+    assert all("record.nc: cannot be read as NetCDF" in each for each in messages)
+
+
+@pytest.mark.parametrize("error", [AttributeError, KeyError, UnicodeError, RuntimeError])
+def test_whatever_a_library_says_of_a_damaged_file_is_an_input_error(error, tmp_path, monkeypatch):
+    store.write(record(), tmp_path / "record.nc", title="A record")
+
+    def load(dataset):
+        raise error("damaged")
+
+    monkeypatch.setattr(xr.Dataset, "load", load)
+    with pytest.raises(InputError, match=r"record\.nc: cannot be read as NetCDF .*damaged"):
+        store.read(tmp_path / "record.nc")
+
+
 def test_a_file_that_is_no_netcdf_is_named(tmp_path):
     path = tmp_path / "record.nc"
     path.write_text("not NetCDF")

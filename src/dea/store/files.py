@@ -19,6 +19,8 @@ from dea.provenance import current_job
 from dea.store.contracts import CONTRACTS, check_units
 
 _PACKAGES = ("dea-study", "numpy", "scipy", "numba", "xarray", "netCDF4", "pymodbus", "snakemake")
+# What the libraries raise where a file is no NetCDF, or where bytes of one have changed.
+_DAMAGED = (OSError, RuntimeError, ValueError, KeyError, AttributeError)
 
 
 def write(
@@ -89,7 +91,7 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the file is missing, is not NetCDF or breaks the contract.
+        If the file is missing, is not NetCDF, is damaged or breaks the contract.
     """
     path = Path(path)
     if not path.exists():
@@ -100,7 +102,7 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
         # Times are plain seconds since the start, which the decoder would turn into dates.
         with xr.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
             dataset = opened.load()
-    except OSError as error:
+    except _DAMAGED as error:
         raise InputError(
             f"cannot be read as NetCDF ({error})",
             file=path,
