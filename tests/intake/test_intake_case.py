@@ -1,6 +1,7 @@
 """From a file to a case file that the study accepts."""
 
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -359,6 +360,11 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
         (["mine.csv", "--name", "dea1"], "'dea1' is an actuator's name"),
         (["mine.csv", "--name", "tables"], "NAME: 'tables' is the name of a folder of results/"),
         (["mine.csv", "--name", "provenance"], "NAME: 'provenance' is the name of a folder"),
+        (
+            ["run{x}.csv"],
+            "config/cases/run_x.yaml: record.file: 'run{x}.csv' has braces, which the workflow"
+            " takes for wildcards. Rename the file",
+        ),
         (["mine.csv", "--rate", "0"], "RATE: it is '0'. Give samples per second"),
         (["mine.csv", "--rate", "50Hz"], "RATE: it is '50Hz'. Give samples per second"),
         (["mine.csv", "--rate", "nan"], "RATE: it is 'nan'"),
@@ -376,6 +382,7 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
 )
 def test_a_mistake_writes_nothing(folder, capsys, arguments, message):
     write_simulation(folder / "typo.py", slope="p[0] * (dampng * u - x[0])")
+    shutil.copy("mine.csv", "run{x}.csv")
     (folder / "lines.py").write_text("raise ValueError('a\\nb')")
     (folder / "exit.py").write_text("import sys\nsys.exit(3)")
     volt = write_simulation(folder / "volt.py")

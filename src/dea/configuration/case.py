@@ -90,6 +90,21 @@ class Case(Section):
         return self
 
     @model_validator(mode="after")
+    def _files_have_no_braces(self) -> Self:
+        """Refuse a path that Snakemake would take for a pattern with wildcards."""
+        files = {"record.file": self.record.file, "simulation": self.simulation or ""}
+        for section, others in (("test_records", self.test_records), ("records", self.records)):
+            files |= {f"{section}.{name}.file": other.file for name, other in others.items()}
+        for field, file in files.items():
+            if re.search("[{}]", file):
+                raise refuse(
+                    field,
+                    f"{file!r} has braces, which the workflow takes for wildcards",
+                    "Rename the file or its folder, without { and }.",
+                )
+        return self
+
+    @model_validator(mode="after")
     def _tracker_runs(self) -> Self:
         check_tracker(self.gfrf, self.tracking)
         return self
