@@ -172,6 +172,7 @@ def test_the_summary_ends_with_the_path(findings):
     assert text.split()[-1] == "results/mine/page.html"
     assert "It lacks a `<delay>`." in text
     assert "99.0 % explained, rmse 0.0500 mm" in text
+    assert re.search(r"^  static cubic of the input +diverged$", text, re.MULTILINE)
 
 
 def test_several_inputs_are_named_on_the_page_and_in_the_terminal(tmp_path):
