@@ -13,6 +13,7 @@ from copied_project import ROOT
 
 from dea.errors import InputError
 from dea.report import page, write
+from dea.report.origin import origin
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 # Says in the title what the browser made of the page.
@@ -67,6 +68,21 @@ def test_a_picture_is_described_by_the_first_sentence_of_its_caption(
     for part in ("_result", "_small", "origin"):
         monkeypatch.setattr(f"dea.report.page.{part}", lambda _: "")
     assert f'<img alt="{alt}" ' in page.figure(name, system)
+
+
+def test_a_link_reaches_a_file_whatever_is_in_its_name(monkeypatch):
+    run = {"processor": "one", "instructions": {}, "commit": "0"}
+    job = {
+        "inputs": {"data/Lauf #2 100%?<\">.csv": "0"}, "name": "one", "rule": "one", "command": [],
+        "settings": {}, "code": {},
+    }  # fmt: skip
+    said = {"job": job, "run": run, "identity": "0"}
+    monkeypatch.setattr("dea.report.origin._said", lambda product: said)
+    text = origin(Path("results/mine/model.nc"))
+    assert (
+        '<a href="../data/Lauf%20%232%20100%25%3F%3C%22%3E.csv">'
+        "data/Lauf #2 100%?&lt;&quot;&gt;.csv</a>"
+    ) in text
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import os
 from html import escape
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from dea import provenance
 from dea.errors import InputError
@@ -61,8 +62,8 @@ def _modules(code: dict[str, str]) -> str:
 
 def _link(path: str) -> str:
     """Return a link that works from the folder of the results."""
-    target = os.path.relpath(path, provenance.RESULTS)
-    return f'<a href="{escape(target)}">{escape(path)}</a>'
+    target = quote(os.path.relpath(path, provenance.RESULTS))
+    return f'<a href="{target}">{escape(path)}</a>'
 
 
 def _code(text: str) -> str:
