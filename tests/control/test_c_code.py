@@ -59,6 +59,23 @@ def compiled(model, folder):
     return run
 
 
+def test_code_that_cannot_be_written_whole_leaves_what_was_there(tmp_path, monkeypatch):
+    files = header, source = tmp_path / "model.h", tmp_path / "model.c"
+    code = to_c(NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0}), 50.0)
+    code.write(header, source)
+    before = [file.read_text() for file in files]
+
+    def full(path, text, encoding):
+        path.write_bytes(text[:10].encode(encoding))
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_text", full)
+    with pytest.raises(OSError, match="No space left"):
+        code.write(header, source)
+    assert [file.read_text() for file in files] == before
+    assert sorted(tmp_path.iterdir()) == sorted(files)
+
+
 @needs_compiler
 @pytest.mark.parametrize("name", PLANTS)
 def test_half_an_hour_agrees_with_the_free_run(name, tmp_path):

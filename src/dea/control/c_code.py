@@ -10,6 +10,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import NamedTuple
 
+from dea.atomic_file import atomic
 from dea.control.c_templates import HEADER, SOURCE
 from dea.errors import InputError
 from dea.narx import BOUND, NarxModel, rate_of
@@ -28,8 +29,9 @@ class CCode(NamedTuple):
 
     def write(self, header: str | Path, source: str | Path) -> None:
         """Write both files, which lie in one folder; the header is called ``model.h``."""
-        Path(header).write_text(self.header, encoding="utf-8")
-        Path(source).write_text(self.source, encoding="utf-8")
+        for path, text in ((header, self.header), (source, self.source)):
+            with atomic(path) as partial:
+                partial.write_text(text, encoding="utf-8")
 
 
 def to_c(model: NarxModel, sampling_rate: float | None = None, *, name: str = "model") -> CCode:
