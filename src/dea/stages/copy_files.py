@@ -11,8 +11,11 @@ def copy_files(settings: Mapping[str, Any], originals: list[Path], copies: list[
     """Copy each of ``originals`` to its place in ``copies``."""
     import shutil
 
+    from dea.atomic_file import atomic
+
     for original, copy in zip(originals, copies, strict=True):
-        shutil.copyfile(original, copy)
+        with atomic(copy) as partial:
+            shutil.copyfile(original, partial)
 
 
 if __name__ == "__main__":
