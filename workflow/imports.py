@@ -56,15 +56,22 @@ def listed(files: list[str]) -> str:
     """Return the file that lists ``files`` with their SHA-256, as ``sha256sum`` does.
 
     One input for a job instead of a hundred, since hundreds of actuators have thousands of jobs.
+    Its name tells what it says: a list that an edit changed under a job that runs, or whose date is
+    not newer than a result, would not be seen.
     """
     names = sorted(set(files))
-    digest = hashlib.sha256("\n".join(names).encode()).hexdigest()
-    return _kept(LISTS / f"{digest[:16]}.txt", "".join(f"{_sha(name)}  {name}\n" for name in names))
+    text = "".join(f"{content(name)}  {name}\n" for name in names)
+    return _kept(LISTS / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.txt", text)
 
 
 @cache
-def _sha(name: str) -> str:
-    return provenance.digest(Path(name))
+def content(name: str) -> str:
+    """Return the SHA-256 of a file, nothing where there is none.
+
+    As a parameter of a job it tells a file that was replaced by one of an earlier date: Snakemake
+    compares the contents of inputs that are newer than a result alone.
+    """
+    return provenance.digest(Path(name)) if Path(name).exists() else ""
 
 
 def _kept(file: Path, text: str) -> str:

@@ -66,3 +66,20 @@ def test_several_modules_are_joined_without_doubles(source):
 def test_a_misspelt_module_is_refused(source):
     with pytest.raises(ValueError, match=r"no module house\.d"):
         imports.modules("house.d")
+
+
+def test_the_list_of_code_is_named_by_what_it_says(source, monkeypatch):
+    """An edit makes another input, whatever the date of the list."""
+    monkeypatch.chdir(source)
+    monkeypatch.setattr(imports, "LISTS", Path("build/code"))
+    first = imports.listed(["house/c.py"])
+    assert imports.listed(["house/c.py"]) == first
+    Path("house/c.py").write_text("import house.alone\n")
+    imports.content.cache_clear()
+    second = imports.listed(["house/c.py"])
+    assert second != first
+    assert Path(first).read_text() != Path(second).read_text()
+
+
+def test_a_file_that_is_not_there_has_no_content(tmp_path):
+    assert imports.content(str(tmp_path / "nothing.csv")) == ""

@@ -59,6 +59,15 @@ def of_every_actuator(pattern):
     return expand(pattern, actuator=ACTUATORS)
 
 
+def device_file(wildcards):
+    """The description of the device that drives an actuator."""
+    return ACTUATORS[wildcards.actuator]["device"]
+
+
+def device_content(wildcards):
+    return imports.content(device_file(wildcards))
+
+
 def settings(*keys):
     """The seed, the system's name and these keys of the config, as JSON for a stage.
 

@@ -11,7 +11,7 @@ include: "../functions/acquisition.smk"
 
 rule acquire:
     input:
-        device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
+        device=device_file,
         code=modules("dea.stages.acquire", "dea.bench.__main__"),
     output:
         record="results/{actuator}/record.nc",
@@ -25,6 +25,7 @@ rule acquire:
     priority: 1
     params:
         settings=acquisition_settings("record"),
+        content=device_content,
     shell:
         stage(
             "acquire --settings {params.settings:q} --device {input.device:q}"
@@ -43,6 +44,7 @@ use rule acquire as acquire_second with:
     priority: 0
     params:
         settings=acquisition_settings("second"),
+        content=device_content,
 
 
 use rule acquire as acquire_probed with:
@@ -55,6 +57,7 @@ use rule acquire as acquire_probed with:
         "results/{actuator}/benchmark/acquire_probed.tsv"
     params:
         settings=acquisition_settings("probed"),
+        content=device_content,
 
 
 rule take_record:

@@ -1,7 +1,7 @@
 # Controllers tried on each virtual actuator over Modbus: `make control`.
 rule control:
     input:
-        device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
+        device=device_file,
         record="results/{actuator}/record.nc",
         model="results/{actuator}/model.nc",
         nominal="results/discrepancy/{actuator}/nominal_simulation.yaml",
@@ -17,6 +17,7 @@ rule control:
         actuator=names(VIRTUAL),
     params:
         settings=control_settings,
+        content=device_content,
     shell:
         stage(
             "control --settings {params.settings:q} --device {input.device:q}"

@@ -30,6 +30,7 @@ rule diagnose:
     threads: 2
     params:
         settings=discrepancy_settings,
+        content=lambda wildcards: list(map(imports.content, simulation_file(wildcards))),
     shell:
         stage(
             "diagnose --threads {threads} --settings {params.settings:q}"

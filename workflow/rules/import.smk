@@ -17,6 +17,7 @@ rule import_record:
             record_settings(wildcards), sort_keys=True
         ),
         case=lambda wildcards: CASES[wildcards.case],
+        content=lambda wildcards: imports.content(record_file(wildcards)),
         place=lambda wildcards: ".".join(record_place(wildcards)),
     shell:
         stage(
