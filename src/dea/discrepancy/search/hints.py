@@ -59,7 +59,7 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     own, period = problem.records[longest], problem.periods[longest]
     frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
     if not period:
-        sharp = _sharpest(frequency, power, power <= _LEAST * power.max(), 0)
+        sharp = _sharpest(frequency, power, np.zeros(power.size, bool), 0)
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
     spacing = (own.stop - own.start) / exact_period(problem.u[own], period)
 
@@ -80,7 +80,7 @@ def _sharpest(
 ) -> list[float]:
     """Return the frequencies of the sharpest lines, a fundamental before its harmonic."""
     sharpness = power / (_around(power, spacing) + 1e-300)
-    without = without | (sharpness <= _SHARP)
+    without = without | (sharpness <= _SHARP) | (power <= _LEAST * power.max())
     sharp = _peaks(frequency, power, sharpness, without, _HARMONICS + 1)
     if not sharp:
         return []
