@@ -26,7 +26,7 @@ def recorded(seed, start, interval=INTERVAL):
     samples = Samples(u, u, interval)
     lagging = extended.attach(catalogue()["sensor_lag"], measured_scales(extended, values, samples))
     y = lagging.simulate(
-        np.concatenate([values, [0.15, 0.9, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0]]), u, interval
+        np.concatenate([values, [0.15, 0.9, 0.0, 0.0, 0.0, 0.5, 1.0, 0.0, 1.0]]), u, interval
     )
     y += NOISE * rng.standard_normal(u.size)
     return xr.Dataset(

@@ -48,7 +48,9 @@ def test_without_a_force_port_no_force_is_offered():
 
 def test_a_port_that_knows_a_velocity_alone_takes_friction_and_no_spring():
     [port] = SPRING.force_ports
-    blind = ForcePort(equation=port.equation, position=None, velocity=port.velocity)
+    blind = ForcePort(
+        equation=port.equation, position=None, velocity=port.velocity, reaction=port.position
+    )
     problem, fitted = problem_of(replace(SPRING, force_ports=(port, blind)), steps())
     friction, stop = (
         places(problem, fitted.extended, PUSHING[name]) for name in ("coulomb_friction", "end_stop")

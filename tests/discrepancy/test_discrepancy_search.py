@@ -22,7 +22,7 @@ from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.fit import Columns, Fit, at, fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import rounds as search_rounds
@@ -1563,8 +1563,10 @@ def test_an_effect_of_a_pair_is_needed_only_if_the_other_alone_leaves_much(partn
             (own.started(start) for start in own.effect.starts(told)),
             key=lambda law: problem.seen_rmse(problem.residual(both, np.r_[values, law])),
         )
-        values = np.concatenate([values, best])
-        values = fit(problem, both, both.coordinates(values)).values
+        start = both.coordinates(np.concatenate([values, best]))
+        # As in the search, what shapes a law waits until its place and size are found.
+        placed = fit(problem, both, start, columns=Columns(held=both.shapes))
+        values = fit(problem, both, placed.coordinates).values
     chosen = judged(problem, fit(problem, both, both.coordinates(values)))
     assert chosen.rmse < 1.1 * NOISE
     evidence = Evidence(

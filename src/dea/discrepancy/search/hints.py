@@ -25,6 +25,8 @@ _LINE, _SPREAD, _AROUND = 3, 6, 30
 # Harmonics of a periodic input that it is compared with on either side, and bins from one within
 # which it is at it.
 _HARMONICS_AROUND, _AT_HARMONIC = 10, 0.15
+# How far such a line stands above the power just beside it.
+_NARROW = 10.0
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
@@ -68,8 +70,11 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
         result: np.ndarray = np.abs(places - spacing * np.round(places / spacing)) <= within
         return result
 
+    # Beside few periods a slow motion that does not repeat stands out as well, but is broad.
+    flanks = np.pad(power, _LINE + 1, mode="symmetric")
+    broad = power < _NARROW * np.maximum(flanks[: -2 * _LINE - 2], flanks[2 * _LINE + 2 :])
     at_harmonic = harmonic(_places(power), _AT_HARMONIC)
-    sharp = _sharpest(frequency, power, at_harmonic, round(spacing))
+    sharp = _sharpest(frequency, power, at_harmonic | broad, round(spacing))
     near = harmonic(np.arange(power.size), _BESIDE)
     beside = _peaks(frequency, power, power, near)
     return tuple(dict.fromkeys((*sharp, *beside)))[:_MOST]
