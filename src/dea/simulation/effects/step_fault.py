@@ -11,8 +11,6 @@ from dea.simulation.scales import Scales
 _NARROWER = 0.25, 0.6
 # Instants at which these are tried, of those at which the residual changes most.
 _SHARPEST = 6
-# Part of the record after which an event can be told: what is so from the start is none.
-_SOONEST = 0.01
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -64,8 +62,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     low, high, span, unit = scales.u_low, scales.u_high, scales.u_span, scales.u_unit
     # The instant may lie in a block that is left out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
-    soonest = _SOONEST * duration
-    instant = max(likeliest, soonest), 0.02 * duration, soonest, duration
+    instant = likeliest, 0.02 * duration, 0.0, duration
     return (
         Parameter("instant", "s", *instant, shape=True, event=True),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
