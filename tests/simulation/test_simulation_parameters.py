@@ -74,7 +74,7 @@ def test_a_prior_that_cannot_be_is_refused(changed, message):
 
 
 # Positive like a scale, but counted from a zero that is a convention.
-FROM_A_ZERO = {"room", "limit", "upper_end"}
+FROM_A_ZERO = {"room", "limit", "upper_end", "highest_input", "lowest_input"}
 TOLD = Scales("V", "V", 1.0, 4.0, 1.0, 0.5, 2.5, -1.0, 1.5, DT, 6.0, foreign_frequencies=(1.3,))
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
@@ -109,9 +109,7 @@ def _is_degenerate(
     for index, attached in enumerate(candidate.fit.extended.attached):
         if attached.effect.essential:
             limit = judged(problem, _without_essential(problem, candidate.fit, index))
-            if limit.error <= candidate.error or rules.as_good(
-                limit.rmse, candidate.rmse, noise_floor
-            ):
+            if _explains_as_much(limit, candidate, rules, noise_floor):
                 return True
     return False
 
@@ -130,8 +128,19 @@ def _is_from_the_start(
     if not instants.any():
         return False
     soonest = np.where(instants, extended.bounds[0], candidate.fit.coordinates)
-    residual = problem.residual(extended, extended.values(soonest))
-    return rules.as_good(problem.seen_rmse(residual), candidate.rmse, noise_floor)
+    moved = problem.seen_rmse(problem.residual(extended, extended.values(soonest)))
+    # Most events have a date, and are far off without it.
+    if not moved <= rules.near * candidate.rmse:
+        return False
+    again = fit(problem, extended, soonest, iterations=_STEPS, columns=Columns(held=instants))
+    return _explains_as_much(judged(problem, again), candidate, rules, noise_floor)
+
+
+def _explains_as_much(
+    limit: Candidate, candidate: Candidate, rules: Rules, noise_floor: float
+) -> bool:
+    """Return whether a candidate at its limit explains as much, its greater freedom charged."""
+    return limit.error <= candidate.error or rules.as_good(limit.rmse, candidate.rmse, noise_floor)
 
 
 def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
