@@ -70,10 +70,7 @@ def read_text(file: Path) -> ForeignTable:
     first = [_fields(row, layout) for row in rows[begin : begin + 2]]
     if not above and len(first) == 2 and counts_columns(*first):
         above, begin = first[:1], begin + 1
-    _refuse_open_quotes(rows[begin:], numbered[begin:], layout, file)
-    _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
-    if layout.separator == " ":
-        _refuse_narrow_rows(rows[begin:], numbered[begin:], layout, file)
+    _check_rows(rows[begin:], numbered[begin:], layout, file)
     headings, units = headings_and_units(above, layout.columns)
     frame = pd.read_csv(
         StringIO("\n".join(rows[begin:])),
@@ -130,52 +127,11 @@ def _goes_on(row: str, whole: Sequence[bool], layout: Layout) -> bool:
     )
 
 
-def _refuse_open_quotes(
-    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
-) -> None:
-    """Refuse a quote mark that would take the rows below it for text.
+def _check_rows(rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path) -> None:
+    """Refuse the first row whose fields are not certain.
 
-    Raises
-    ------
-    InputError
-        Naming the line.
-    """
-    for row, number in zip(rows, numbered, strict=True):
-        if is_open(row, layout.separator):
-            raise InputError(
-                f"line {number + 1} begins a field with a quote mark that is not closed before the"
-                " next row",
-                file=file,
-                remedy="Close the quote, or delete its mark",
-            )
-
-
-def _refuse_wide_rows(
-    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
-) -> None:
-    """Refuse a row of numbers that has more of them than the table has columns.
-
-    Raises
-    ------
-    InputError
-        Naming the line.
-    """
-    for row, number in zip(rows, numbered, strict=True):
-        # Counting is quick, and there is nothing to split in nearly every row.
-        if row.count(layout.separator) < layout.columns:
-            continue
-        fields = _fields(row, layout)
-        if any(map(is_number, _pointed(fields[layout.columns :], layout.decimal))):
-            remedy = "Correct it; a number with a mark of thousands is to be quoted"
-            raise _of_other_width(number, len(fields), layout, file, remedy)
-
-
-def _refuse_narrow_rows(
-    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
-) -> None:
-    """Refuse a row of numbers between spaces that does not say which of them is missing.
-
-    Where all that the first row has more are words at its end, none is.
+    That is one with a quote mark that would take the rows below it for text, one of more numbers
+    than the table has columns, and between spaces one that does not say which number is missing.
 
     Raises
     ------
@@ -184,12 +140,34 @@ def _refuse_narrow_rows(
     """
     whole = _are_numbers(rows[0], layout)[: layout.columns]
     for row, number in zip(rows, numbered, strict=True):
-        fields = _fields(row, layout)
-        if len(fields) >= layout.columns or not is_data(_pointed(fields, layout.decimal)):
+        if is_open(row, layout.separator):
+            raise InputError(
+                f"line {number + 1} begins a field with a quote mark that is not closed before the"
+                " next row",
+                file=file,
+                remedy="Close the quote, or delete its mark",
+            )
+        spaced = layout.separator == " "
+        # Counting is quick, and there is nothing to split in nearly every row.
+        if not spaced and row.count(layout.separator) < layout.columns:
             continue
-        lacking = layout.columns - len(fields)
-        if [*_are_numbers(row, layout), *[False] * lacking] != whole:
+        fields = _fields(row, layout)
+        if any(map(is_number, _pointed(fields[layout.columns :], layout.decimal))):
+            remedy = "Correct it; a number with a mark of thousands is to be quoted"
+            raise _of_other_width(number, len(fields), layout, file, remedy)
+        if spaced and _lacks_some(row, fields, whole, layout):
             raise _narrow(number, len(fields), layout, file)
+
+
+def _lacks_some(row: str, fields: Sequence[str], whole: Sequence[bool], layout: Layout) -> bool:
+    """Tell whether a row of numbers between spaces lacks some of those that are in the first row.
+
+    Where all that the first row has more are words at its end, it lacks none.
+    """
+    lacking = layout.columns - len(fields)
+    if lacking <= 0 or not is_data(_pointed(fields, layout.decimal)):
+        return False
+    return [*_are_numbers(row, layout), *[False] * lacking] != whole
 
 
 def _narrow(number: int, fields: int, layout: Layout, file: Path) -> InputError:
