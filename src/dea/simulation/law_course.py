@@ -123,10 +123,10 @@ def _changes(
             acting[place] = effect.shape_input(before, q, interval)
             name, unit = own.inputs[place].name, own.inputs[place].unit
             axes = Axis(before, name, unit), Axis(acting[place], f"{name} that acts", unit)
-            found.append(_changed(effect, time, *axes, name))
+            found.append(_changed(effect, time, *axes, "input"))
         if effect.scale_drive is not None:
             factor = effect.scale_drive(time, q)
-            drive = own.drives[min(place, len(own.drives) - 1)]
+            drive = own.drives[own.drive_of(place)]
             found.append(_Change(float(np.ptp(factor)), _scaled(drive, time, factor)))
         if effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
@@ -138,12 +138,12 @@ def _changes(
     return changes
 
 
-def _changed(effect: Effect, time: np.ndarray, before: Axis, after: Axis, signal: str) -> _Change:
-    """Return by which part of its range a law changes a ``signal``, and the course of that.
+def _changed(effect: Effect, time: np.ndarray, before: Axis, after: Axis, quantity: str) -> _Change:
+    """Return by which part of its range a law changes the input or the reading, and the course.
 
     A course in time is the change, shown over time.
     """
-    quantity = "reading" if signal == "reading" else "input"
+    signal = before.name if quantity == "input" else quantity
     change = after.values - before.values
     part = float(np.ptp(change)) / (float(np.ptp(before.values)) or 1.0)
     if effect.port is Port.TIME or effect.family is Family.OSCILLATION:

@@ -48,8 +48,7 @@ class ShapedInput:
             if a.effect.shape_input is not None:
                 acting[a.place] = a.effect.shape_input(acting[a.place], q, interval)
             if a.effect.scale_drive is not None:
-                # One drive may serve all inputs.
-                drive = min(a.place, len(scales) - 1)
+                drive = own.drive_of(a.place)
                 scales[drive] = scales[drive] * a.effect.scale_drive(t, q)
         if lead:
             acting = [np.concatenate([np.full(lead, x[0]), x]) for x in acting]

@@ -121,6 +121,10 @@ class Simulation:
         """The parameters that scale the action of the inputs: one for each, or one for all."""
         return each_of(self.drive)
 
+    def drive_of(self, place: int) -> int:
+        """Return the number of the drive of an input: one may serve all."""
+        return min(place, len(self.drives) - 1)
+
     @property
     def no_input(self) -> Any:
         """The input where there is none, as the equations take it."""

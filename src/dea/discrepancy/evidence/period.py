@@ -17,11 +17,10 @@ def period_of(u: np.ndarray) -> int:
     below half counts, so that neighbouring samples are no period. Several inputs (n, inputs) repeat
     where each of them does that moves.
     """
-    moving = [each for each in by_input(u) if (each - each.mean()).any()]
     longest = int(_LONGEST * len(u))
-    if longest < 2 or not moving:
+    if longest < 2 or not _moving(u):
         return 0
-    correlation = np.min([_correlation(each, longest) for each in moving], axis=0)
+    correlation = _correlation(u, longest)
     fallen = np.flatnonzero(correlation < 0.5)
     if not fallen.size:
         return 0
@@ -39,13 +38,10 @@ def exact_period(u: np.ndarray, period: int) -> float:
     It is told by the vertex of a parabola through the correlation with itself as many periods later
     as there are lags.
     """
-    moving = [each for each in by_input(u) if (each - each.mean()).any()]
-    longest = int(_LONGEST * len(u))
-    repeats = max((longest - 2) // period, 1)
+    repeats = max((int(_LONGEST * len(u)) - 2) // period, 1)
     # The whole number of samples is off by half of one at the most.
     off = repeats // 2 + 1
-    lags = repeats * period + off + 2
-    correlation = np.min([_correlation(each, lags) for each in moving], axis=0)
+    correlation = _correlation(u, repeats * period + off + 2)
     first = repeats * period - off
     peak = first + int(np.argmax(correlation[first:-1]))
     left, middle, right = correlation[peak - 1 : peak + 2]
@@ -54,7 +50,18 @@ def exact_period(u: np.ndarray, period: int) -> float:
     return float(peak + np.clip(beside, -0.5, 0.5)) / repeats
 
 
+def _moving(u: np.ndarray) -> list[np.ndarray]:
+    """Return the inputs that do not stand still throughout."""
+    return [each for each in by_input(u) if (each - each.mean()).any()]
+
+
 def _correlation(u: np.ndarray, longest: int) -> np.ndarray:
+    """Return the least correlation of the inputs that move with themselves, at lags below that."""
+    least: np.ndarray = np.min([_of_one(each, longest) for each in _moving(u)], axis=0)
+    return least
+
+
+def _of_one(u: np.ndarray, longest: int) -> np.ndarray:
     """Return the correlation of an input with itself at lags below ``longest``."""
     centred = u - u.mean()
     size = u.size
