@@ -23,10 +23,10 @@ def with_events_dated(problem: Problem, fitted: Fit) -> Fit:
         return fitted
     early, late = _undated(problem)
     for part in extended.effect_slices:
-        own = [i for i in extended.free if part.start <= i < part.stop]
-        events = [i for i in own if extended.parameters[i].event]
-        # How long an event took is positive, and counted by its logarithm; an instant is not.
-        instants = [i for i in events if not extended.parameters[i].log]
+        events, instants = (
+            [i for i in extended.free[those] if part.start <= i < part.stop]
+            for those in (extended.events, extended.instants)
+        )
         if any(early <= fitted.values[i] <= late for i in instants):
             fitted = _dated(problem, fitted, events, instants, np.linspace(early, late, _TRIED))
     return fitted

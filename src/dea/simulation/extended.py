@@ -206,7 +206,15 @@ class ExtendedSimulation:
     @cached_property
     def events(self) -> np.ndarray:
         """Which free coordinates say when something happened, or how long that took."""
-        return np.array([self.parameters[i].event for i in self.free])
+        return np.array([self.parameters[i].event for i in self.free], bool)
+
+    @cached_property
+    def instants(self) -> np.ndarray:
+        """Which free coordinates say when something happened."""
+        # How long it took is positive, and counted by its logarithm.
+        lasting = np.array([self.parameters[i].log for i in self.free], bool)
+        result: np.ndarray = self.events & ~lasting
+        return result
 
     @cached_property
     def own_of_records(self) -> np.ndarray:

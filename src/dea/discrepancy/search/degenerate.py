@@ -40,15 +40,13 @@ def unfinish_degenerate(
     finished = [c for each in rounds for c in each.candidates if c.finished]
     limit = rules.near * min((c.error for c in finished), default=0.0)
     leading = [c for c in finished if c.error <= limit]
-    doubtful = [c for c in leading if any(a.effect.essential for a in c.fit.extended.attached)]
     degenerate = in_parallel(
         lambda c: _is_degenerate(problem, c, rules, noise_floor),
-        doubtful,
+        leading,
         workers,
         "leading effects at their limits",
     )
-    fallen = {id(c) for c, found in zip(doubtful, degenerate, strict=True) if found}
-    fallen |= {id(c) for c in leading if _is_from_the_start(problem, c, rules, noise_floor)}
+    fallen = {id(c) for c, found in zip(leading, degenerate, strict=True) if found}
     leading = [c for c in leading if id(c) not in fallen]
     curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
     for c in leading:
@@ -105,13 +103,13 @@ def _bends_gently(problem: Problem, found: Fit, index: int) -> bool:
 def _is_degenerate(
     problem: Problem, candidate: Candidate, rules: Rules, noise_floor: float
 ) -> bool:
-    """Return whether one of the laws explains as much without its essential parameter."""
+    """Return whether a law explains as much without its essential parameter, or its event."""
     for index, attached in enumerate(candidate.fit.extended.attached):
         if attached.effect.essential:
             limit = judged(problem, _without_essential(problem, candidate.fit, index))
             if _explains_as_much(limit, candidate, rules, noise_floor):
                 return True
-    return False
+    return _is_from_the_start(problem, candidate, rules, noise_floor)
 
 
 def _is_from_the_start(
@@ -122,9 +120,7 @@ def _is_from_the_start(
     What a device has done from the start is no event. Of several records all events are moved.
     """
     extended = candidate.fit.extended
-    # How long an event takes is counted by its logarithm; an instant is not.
-    free = [extended.parameters[i] for i in extended.free]
-    instants = np.array([each.event and not each.log for each in free])
+    instants = extended.instants
     if not instants.any():
         return False
     soonest = np.where(instants, extended.bounds[0], candidate.fit.coordinates)
