@@ -167,7 +167,8 @@ class _Crate:
     def _file(self, path: str) -> Entity:
         """Return the entity of a file or folder of the project, which is added once."""
         if path not in self.entities:
-            sha = provenance.digest(Path(path))
+            known = self.manifest.products.get(path, {}).get("sha256")
+            sha = known or provenance.digest(Path(path))
             place = _place(path, sha)
             if Path(path).is_dir():
                 self.entities[path] = self.crate.add_dataset(path, place)

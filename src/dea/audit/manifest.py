@@ -61,23 +61,20 @@ class Manifest:
         return provenance.sources(job, job["run"])
 
     def text(self) -> str:
-        """Return the manifest as JSON that ends with its own hash."""
+        """Return what its file says: JSON that ends with its own hash."""
         content = json.dumps(asdict(self), sort_keys=True)
-        return json.dumps(
-            {**asdict(self), "sha256": hashlib.sha256(content.encode()).hexdigest()},
-            indent=1,
-            sort_keys=True,
-        )
+        sha = hashlib.sha256(content.encode()).hexdigest()
+        return json.dumps({**asdict(self), "sha256": sha}, indent=1, sort_keys=True) + "\n"
 
     @property
     def digest(self) -> str:
         """SHA-256 of its file, in hex."""
-        return hashlib.sha256(f"{self.text()}\n".encode()).hexdigest()
+        return hashlib.sha256(self.text().encode()).hexdigest()
 
     def write(self, file: Path = FILE) -> None:
         """Write it, whole or not at all."""
         with atomic(file) as partial:
-            partial.write_text(f"{self.text()}\n", encoding="utf-8")
+            partial.write_text(self.text(), encoding="utf-8")
 
     @classmethod
     def read(cls, file: Path = FILE) -> Self:
@@ -102,7 +99,7 @@ class Manifest:
             raise InputError(problem, file=file, remedy=remedy) from error
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise InputError(f"is damaged ({error})", file=file, remedy=remedy) from error
-        if text != f"{found.text()}\n":
+        if text != found.text():
             raise InputError("is not as it was written", file=file, remedy=remedy)
         return found
 
