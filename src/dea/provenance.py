@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin, get_type_hints
 
 from dea.atomic_file import atomic
 from dea.errors import InputError
@@ -31,15 +31,6 @@ JOB, RULE, CODE, COMMIT, RUN = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT", 
 WHOLE = "description"
 # What a description holds, each of its kind; `run` may hold `blas` and `read` too.
 _OF_ALL = {"job": dict, "identity": str, "run": dict, "sha256": str}
-_OF_JOB = {
-    "name": str,
-    "rule": str,
-    "command": list,
-    "settings": dict,
-    "inputs": dict,
-    "code": dict,
-    "environment": str,
-}
 _OF_RUN = {"processor": str, "commit": str, "instructions": dict, "options": list}
 # With these a user makes numerical libraries take other instructions than the processor's best.
 INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
@@ -69,6 +60,9 @@ class Job:
     def identity(self) -> str:
         """SHA-256 of all of it, in hex."""
         return _hash_of(asdict(self))
+
+
+_OF_JOB = {name: get_origin(kind) or kind for name, kind in get_type_hints(Job).items()}
 
 
 @contextmanager
