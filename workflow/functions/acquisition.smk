@@ -74,8 +74,4 @@ def control_settings(wildcards):
 def bench_settings(actuator):
     """What serves a virtual actuator, and the parameters that its plant has."""
     served = ACTUATORS[actuator]["bench"]
-    return config["bench"] | {
-        "actuator": served,
-        "config": BENCH,
-        "plant": VIRTUAL_BENCH.actuators[served].model_dump(),
-    }
+    return served_settings(config["bench"], served, BENCH, VIRTUAL_BENCH)

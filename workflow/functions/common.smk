@@ -6,7 +6,12 @@ import time
 import imports
 
 from dea.audit import collect, withdraw
-from dea.configuration.bench import BENCH, plain_settings, read_bench
+from dea.configuration.bench import (
+    BENCH,
+    plain_settings,
+    read_bench,
+    served_settings,
+)
 from dea.configuration.case import read_cases, simulation_of
 from dea.configuration.named_files import check_actuators, check_files
 from dea.configuration.record import is_part_of

@@ -44,7 +44,6 @@ use rule acquire as acquire_second with:
     priority: 0
     params:
         settings=acquisition_settings("second"),
-        content=device_content,
 
 
 use rule acquire as acquire_probed with:
@@ -57,7 +56,6 @@ use rule acquire as acquire_probed with:
         "results/{actuator}/benchmark/acquire_probed.tsv"
     params:
         settings=acquisition_settings("probed"),
-        content=device_content,
 
 
 rule take_record:

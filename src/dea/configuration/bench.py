@@ -210,6 +210,18 @@ def read_bench(path: str | Path) -> VirtualBench:
     )
 
 
+def served_settings(
+    section: Mapping[str, Any], served: str, path: str | Path, bench: VirtualBench
+) -> dict[str, Any]:
+    """Return the settings of jobs that drive a virtual actuator, and the parameters of its plant.
+
+    They are those of the ``section`` of the study; ``path`` is the file that ``bench`` was read
+    from.
+    """
+    plant = bench.actuators[served].model_dump()
+    return {**section, "actuator": served, "config": str(path), "plant": plant}
+
+
 def plain_settings(path: str | Path, bench: VirtualBench) -> dict[str, Any]:
     """Return the settings of jobs that depend on the plain actuator of ``bench`` alone.
 

@@ -13,7 +13,7 @@ import numpy as np
 from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
-from dea.configuration.bench import BENCH, VirtualBench, read_bench
+from dea.configuration.bench import BENCH, VirtualBench, read_bench, served_settings
 from dea.configuration.case import DESIGNED, read_cases, simulation_of
 from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
@@ -248,11 +248,7 @@ class Driven(Kept):
         options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
         partial = file.with_name(".samples.partial")
         served = str(self.actuator.bench)
-        planned = written(self.study.bench) | {
-            "actuator": served,
-            "config": BENCH,
-            "plant": self.bench.actuators[served].model_dump(),
-        }
+        planned = served_settings(written(self.study.bench), served, BENCH, self.bench)
         with bench_process(
             **as_planned(planned),
             device=Path(self.actuator.device),
