@@ -29,8 +29,7 @@ class Refined:
 
     def __post_init__(self) -> None:
         _whole("rounds", self.rounds, 0)
-        if self.max_terms is not None:
-            _whole("max_terms", self.max_terms, 1)
+        _one_or_any(self.max_terms)
         if self.threshold is not None:
             _not_negative("threshold", self.threshold)
 
@@ -52,8 +51,7 @@ class Forward:
     max_terms: int | None = None
 
     def __post_init__(self) -> None:
-        if self.max_terms is not None:
-            _whole("max_terms", self.max_terms, 1)
+        _one_or_any(self.max_terms)
         _not_negative("add_threshold", self.add_threshold)
         _not_negative("prune_threshold", self.prune_threshold)
 
@@ -74,8 +72,7 @@ class Orthogonal:
     max_terms: int | None = 25
 
     def __post_init__(self) -> None:
-        if self.max_terms is not None:
-            _whole("max_terms", self.max_terms, 1)
+        _one_or_any(self.max_terms)
 
 
 Search = Refined | Forward | Orthogonal
@@ -84,6 +81,11 @@ SEARCHES: dict[str, type[Search]] = {
     "forward": Forward,
     "orthogonal": Orthogonal,
 }
+
+
+def _one_or_any(max_terms: int | None) -> None:
+    if max_terms is not None:
+        _whole("max_terms", max_terms, 1)
 
 
 def _whole(name: str, count: int, least: int) -> None:

@@ -190,11 +190,7 @@ def select_common_terms(
     """
     _check_search(search, Refined)
     if isinstance(records, Record) or not len(records):
-        raise InputError(
-            "it is one" if isinstance(records, Record) else "there is none",
-            field="records",
-            remedy="Give a list, with a record or a pair of signals of each system.",
-        )
+        raise _unpaired("it is one" if isinstance(records, Record) else "there is none")
     pairs = [_pair(each, number) for number, each in enumerate(records, start=1)]
     inputs = inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
@@ -220,12 +216,16 @@ def _pair(system: Any, number: int) -> tuple[Any, Any]:
     if isinstance(system, Record):
         return system, None
     if not isinstance(system, list | tuple) or len(system) != 2:
-        raise InputError(
-            f"system {number} is {type(system).__name__}",
-            field="records",
-            remedy="Give a list, with a record or a pair of signals of each system.",
-        )
+        raise _unpaired(f"system {number} is {type(system).__name__}")
     return system[0], system[1]
+
+
+def _unpaired(problem: str) -> InputError:
+    return InputError(
+        problem,
+        field="records",
+        remedy="Give a list, with a record or a pair of signals of each system.",
+    )
 
 
 def _check_search(search: Any, *known: type) -> None:
