@@ -88,7 +88,7 @@ def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
         problem = Problem(u, y, INTERVAL, seen, none, none, noise=NOISE)
         found = explanation_of(fit(problem, extended, truth), problem, error)
         off = (found.mean - truth)[shared]
-        within = found.covariance[np.ix_(shared, shared)]
+        within = (found.root @ found.root.T)[np.ix_(shared, shared)]
         distances.append(off @ np.linalg.solve(within, off) / off.size)
     assert np.mean(distances) == pytest.approx(1.0, abs=0.3)
 

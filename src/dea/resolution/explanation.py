@@ -49,12 +49,6 @@ class Explanation:
         return Counter(a.effect.name for a in self.extended.attached)
 
     @property
-    def covariance(self) -> np.ndarray:
-        """Covariance (k, k) of the coordinates."""
-        product: np.ndarray = self.root @ self.root.T
-        return product
-
-    @property
     def deviations(self) -> np.ndarray:
         """Standard deviations (k,) of the coordinates."""
         lengths: np.ndarray = np.linalg.norm(self.root, axis=1)

@@ -1,7 +1,6 @@
 """Which record to drive next, and which to certify on."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -34,7 +33,7 @@ def next_design(known: Knowledge, inquiry: Inquiry, number: int) -> Design | Non
         tested = asked[0].name if asked else ""
         asked = likeliest(list(known.explanations.values()), logs)
         weights = np.zeros(len(asked))
-    question = replace(_question(known, asked, weights, inquiry.limits), tested=tested)
+    question = _question(known, asked, weights, inquiry.limits, tested)
     durations = _shortest(known, inquiry), options.duration
     rng = _generator(inquiry.settings, number)
     return designed(question, durations, options.level, rng, options.forms)
@@ -59,7 +58,11 @@ def fresh_design(known: Knowledge, inquiry: Inquiry) -> Design | None:
 
 
 def _question(
-    known: Knowledge, asked: Sequence[Explanation], weights: np.ndarray, limits: Limits
+    known: Knowledge,
+    asked: Sequence[Explanation],
+    weights: np.ndarray,
+    limits: Limits,
+    tested: str = "",
 ) -> Question:
     """Return the question of these explanations, with the logarithms of their weights."""
     return Question(
@@ -69,6 +72,7 @@ def _question(
         known.error,
         limits,
         float(np.clip(np.mean(known.diagnosis.problem.u), limits.low, limits.high)),
+        tested,
     )
 
 
