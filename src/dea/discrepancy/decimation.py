@@ -6,6 +6,7 @@ import numpy as np
 
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.problem import Samples
+from dea.discrepancy.spectrum import spectrum
 from dea.inputs import by_input, joined
 from dea.missing import filled
 from dea.simulation import InputInterpolation, at_steps
@@ -101,7 +102,7 @@ def _largest(record: Samples, wanted: int) -> int:
     bands = [_band(u) for u in by_input(record.u)]
     allowed = [wanted, *(int(1.0 / (_PER_PERIOD * band)) for band in bands if band > 0.0)]
     y, known = filled(record.y)
-    frequency, power = _spectrum(y)
+    frequency, power = _parts(y)
     beyond = np.cumsum(power[::-1])[::-1]
     noise = (_ABOVE * white_level(y, [slice(0, y.size)], known)) ** 2
     for factor in range(min(allowed), 1, -1):
@@ -113,14 +114,12 @@ def _largest(record: Samples, wanted: int) -> int:
 
 def _band(u: np.ndarray) -> float:
     """Return the frequency, in cycles per sample, below which nearly all power of ``u`` (n,) is."""
-    frequency, power = _spectrum(u)
+    frequency, power = _parts(u)
     within = np.cumsum(power)
     return float(frequency[np.searchsorted(within, _BAND * within[-1])])
 
 
-def _spectrum(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _parts(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies in cycles per sample, and the part of the variance at each."""
-    from scipy.signal import periodogram
-
-    frequency, density = periodogram(x, window="hann")
+    frequency, density = spectrum(x, 1.0)
     return frequency, density / x.size

@@ -186,9 +186,9 @@ def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
         )
     if not np.ptp(y):  # at rest, as behind a threshold that the nominal values put too high
         return
-    drives, inputs = extended.simulation.drives, by_input(record.u)
-    each = drives if len(drives) == len(inputs) else drives * len(inputs)
-    driven = (name for name, u in zip(each, inputs, strict=True) if np.ptp(u))
+    own = extended.simulation
+    moving = [k for k, u in enumerate(by_input(record.u)) if np.ptp(u)]
+    driven = [own.drives[own.drive_of(k)] for k in moving]
     for name in dict.fromkeys(driven):
         scaled, at = nominal.copy(), extended.names.index(name)
         scaled[at] *= _SCALED

@@ -3,6 +3,7 @@
 import numpy as np
 
 from dea.autocovariance import autocovariance
+from dea.discrepancy.parabola import vertex
 from dea.inputs import by_input
 
 # Correlation of the input with itself a period later, from which it repeats; and the part of the
@@ -44,10 +45,7 @@ def exact_period(u: np.ndarray, period: int) -> float:
     correlation = _correlation(u, repeats * period + off + 2)
     first = repeats * period - off
     peak = first + int(np.argmax(correlation[first:-1]))
-    left, middle, right = correlation[peak - 1 : peak + 2]
-    curvature = left - 2.0 * middle + right
-    beside = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
-    return float(peak + np.clip(beside, -0.5, 0.5)) / repeats
+    return float(peak + vertex(*correlation[peak - 1 : peak + 2])) / repeats
 
 
 def _moving(u: np.ndarray) -> list[np.ndarray]:

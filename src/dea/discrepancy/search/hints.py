@@ -3,7 +3,9 @@
 import numpy as np
 
 from dea.discrepancy.evidence.period import exact_period
+from dea.discrepancy.parabola import vertex
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.spectrum import spectrum
 from dea.inputs import by_input
 
 _LINES = 2
@@ -35,10 +37,10 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     Of several inputs the one with most power at a frequency counts there.
     """
     own = problem.records[_longest(problem)]
-    frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
+    frequency, power = spectrum(problem.across_certified(residual)[own], problem.interval)
     driving = []
     for each in by_input(problem.u):
-        drive = _spectrum(each[own], problem.interval)[1]
+        drive = spectrum(each[own], problem.interval)[1]
         surroundings = np.convolve(drive, np.ones(9) / 9, "same")
         driving.append(surroundings / (surroundings.max() or 1.0))
     ratio = power / (np.max(driving, axis=0) + 1e-3)
@@ -59,7 +61,7 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """
     longest = _longest(problem)
     own, period = problem.records[longest], problem.periods[longest]
-    frequency, power = _spectrum(problem.across_certified(residual)[own], problem.interval)
+    frequency, power = spectrum(problem.across_certified(residual)[own], problem.interval)
     if not period:
         sharp = _sharpest(frequency, power, np.zeros(power.size, bool), 0)
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
@@ -128,14 +130,6 @@ def _longest(problem: Problem) -> int:
     return lengths.index(max(lengths))
 
 
-def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies (Hz), and the power spectral density of a signal (n,) at each."""
-    from scipy.signal import periodogram
-
-    frequency, density = periodogram(signal, 1.0 / interval, window="hann")
-    return frequency, density
-
-
 def _peaks(
     frequency: np.ndarray,
     power: np.ndarray,
@@ -164,11 +158,8 @@ def _places(power: np.ndarray) -> np.ndarray:
     That is the vertex of the parabola through the logarithm of the power there and on either side.
     """
     level = np.log(np.maximum(power, 1e-300))
-    left, middle, right = level[:-2], level[1:-1], level[2:]
-    curvature = left - 2.0 * middle + right
-    with np.errstate(divide="ignore", invalid="ignore"):
-        beside = np.where(curvature < 0.0, 0.5 * (left - right) / curvature, 0.0)
-    result: np.ndarray = np.arange(power.size) + np.pad(np.clip(beside, -0.5, 0.5), 1)
+    beside = vertex(level[:-2], level[1:-1], level[2:])
+    result: np.ndarray = np.arange(power.size) + np.pad(beside, 1)
     return result
 
 

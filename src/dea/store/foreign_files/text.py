@@ -138,6 +138,7 @@ def _check_rows(rows: Sequence[str], numbered: Sequence[int], layout: Layout, fi
     InputError
         Naming the line.
     """
+    spaced = layout.separator == " "
     whole = _are_numbers(rows[0], layout)[: layout.columns]
     for row, number in zip(rows, numbered, strict=True):
         if is_open(row, layout.separator):
@@ -147,7 +148,6 @@ def _check_rows(rows: Sequence[str], numbered: Sequence[int], layout: Layout, fi
                 file=file,
                 remedy="Close the quote, or delete its mark",
             )
-        spaced = layout.separator == " "
         # Counting is quick, and there is nothing to split in nearly every row.
         if not spaced and row.count(layout.separator) < layout.columns:
             continue
