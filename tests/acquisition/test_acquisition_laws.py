@@ -11,7 +11,7 @@ import pytest
 from made_device import described as device_with
 from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, TripError, acquire, by_hand, latch
+from dea.acquisition import AcquisitionSettings, TripError, acquire, by_hand, duty, latch
 from dea.acquisition.laws import Laws
 from dea.acquisition.output import Output
 from dea.acquisition.panel import Panel
@@ -28,6 +28,7 @@ REGISTERS = {
     "enable": {"address": 3, "table": "coil", "type": "bool", "access": "read_write"},
     "alive": {"address": 4, "access": "write"},
 }
+WRITE_COIL = 5  # Modbus function code
 WHEN = "2026-03-14T15:09:26Z"
 SAFETY = {
     "max_rate": 50.0,
@@ -130,6 +131,7 @@ def test_it_is_armed_at_the_start_and_disarmed_after_zero_is_shown(clock):
     link = memory()
     output = Output(link)
     output.take()
+    output.arm()
     assert link.written == [("alive", [1]), ("enable", [1])]
     assert WayToZero(output, ramp_rate=10.0, requested=0.1)() == ZeroEvidence.MONITOR
     assert link.written[-1] == ("enable", [0])
@@ -227,6 +229,79 @@ def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(module,
         acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS, watch=open_door)
     assert module.volts == 0.0
     assert not module.enabled
+
+
+def switched(module):
+    """The plain module with a coil that switches the high voltage."""
+    registers = module.description().registers | {"enable": device()["enable"]}
+    return replace(
+        device(safety={"enable": {"name": "enable"}}),
+        port=module.port, source=None, registers=registers, quarantine=0.2,
+    )  # fmt: skip
+
+
+def once_switched_on(module, answer):
+    """Have ``answer(connection, frame)`` follow when the module has switched the voltage on."""
+    usual = module._answer
+
+    def answered(connection, frame):
+        if frame[7] == WRITE_COIL and frame[10]:
+            module.enabled = True
+            answer(connection, frame)
+        else:
+            usual(connection, frame)
+
+    module._answer = answered
+
+
+def test_a_high_voltage_that_may_be_on_though_nothing_answers_is_switched_off(module, tmp_path):
+    once_switched_on(module, lambda *_: None)
+    with pytest.raises(LinkError) as caught:
+        acquire(switched(module), np.full(50, 1.0), tmp_path / "a", replace(SETTINGS, retries=0))
+    assert "The output is at zero" in caught.value.__notes__[0]
+    assert not module.enabled
+    assert not any(volts for _, volts in module.history)
+
+
+def test_a_high_voltage_that_may_be_on_behind_a_lost_network_raises_the_alarm(module, tmp_path):
+    once_switched_on(module, lambda *_: setattr(module, "deaf", True))
+    lost = replace(SETTINGS, retries=0, reconnect_time=0.5)
+    with pytest.raises(ZeroNotVerifiedError, match="switch the amplifier off"):
+        acquire(switched(module), np.full(50, 1.0), tmp_path / "a", lost)
+    notice = duty.look(duty.duty_file(module.description()))
+    assert (notice.alive, notice.phase) == (True, duty.Phase.ALARM)
+    assert module.enabled
+    module.deaf = False
+    deadline = time.monotonic() + 5.0
+    while module.enabled:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_one_that_is_killed_as_it_switches_on_has_left_a_voltage(module, tmp_path):
+    phases = []
+
+    def answer(connection, frame):
+        phases.append(duty.look(duty.duty_file(module.description())).phase)
+        connection.sendall(frame)
+
+    once_switched_on(module, answer)
+    acquire(switched(module), np.full(5, 1.0), tmp_path / "a", SETTINGS)
+    assert set(phases) <= set(duty.DANGEROUS)
+    assert phases
+
+
+def test_a_switch_that_the_device_does_not_know_is_refused_without_an_alarm(module, tmp_path):
+    def answer(connection, frame):
+        module.enabled = False
+        connection.sendall(frame[:4] + bytes([0, 3, frame[6], WRITE_COIL | 0x80, 2]))
+
+    once_switched_on(module, answer)
+    with pytest.raises(InputError, match="exception 2") as caught:
+        acquire(switched(module), np.full(5, 1.0), tmp_path / "a", SETTINGS)
+    assert caught.value.field == "safety.enable"
+    assert "was refused" in by_hand.status(switched(module))
+    assert not module.history
 
 
 def test_a_host_is_looked_up_once_so_that_what_was_checked_is_driven(module, tmp_path, monkeypatch):

@@ -28,7 +28,7 @@ from dea.acquisition.latch import held, refuse_tripped
 from dea.acquisition.launch import serve_forks
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.output import Output, TakenError
+from dea.acquisition.output import NotArmedError, Output, TakenError
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.retrying_link import (
     DeviceRefusedError,
@@ -153,14 +153,21 @@ class Guardian:
             refuse_tripped(self.device)
             self.output.take()
         except Exception as error:
-            duty.put(Phase.REFUSED, 0.0)
-            self.wire.post("refused", packed(error))
+            self._refuse(error)
             return
         try:
             self._drive()
+        except NotArmedError as error:
+            self._refuse(error)
+            return
         except Exception as error:
             self._break_off(error)
         self._end_at_zero(self._requested())
+
+    def _refuse(self, error: Exception) -> None:
+        """Tell of what has kept the drive from its start; there is no voltage."""
+        self.duty.put(Phase.REFUSED, 0.0)
+        self.wire.post("refused", packed(error))
 
     def _break_off(self, error: Exception) -> None:
         """Tell of what has ended the drive; whatever fails here keeps no output up."""
@@ -223,6 +230,9 @@ class Guardian:
 
     def _drive(self) -> None:
         self.link.check = self._check
+        # The high voltage may be on from here, whether or not the device answers or this is killed.
+        self.duty.put(Phase.DRIVING, 0.0)
+        self.output.arm()
         self.wire.post("ready")
         while not self._begun:
             self.wire.wait(WAITING)

@@ -3,7 +3,6 @@
 import math
 import time
 from collections import deque
-from contextlib import suppress
 
 from dea.acquisition.panel import Panel
 from dea.configuration.safety import Monitor, Safety
@@ -30,15 +29,9 @@ class Laws:
         self._beats, self._beaten, self._checked = 0, -math.inf, -math.inf
 
     def arm(self) -> None:
-        """Check the conditions, then switch the high voltage on."""
-        self.check(0.0, 0.0)
+        """Switch the high voltage on; a write without a reply may have been carried out."""
         if (enable := self.safety.enable) is not None:
-            try:
-                self.panel.set(enable.name, enable.on)
-            except Exception:
-                with suppress(Exception):  # a write without a reply may have been carried out
-                    self.disarm()
-                raise
+            self.panel.set(enable.name, enable.on)
 
     def disarm(self) -> None:
         """Switch the high voltage off."""

@@ -8,9 +8,16 @@ from dea.acquisition.verify import answering_as_described, open_described, verif
 from dea.errors import InputError
 from dea.modbus import Command, DeviceState, Refusal, to_physical
 
+# Exceptions after which nothing has been done: function, address or value are none of the device's.
+NOT_DONE = (1, 2, 3)
+
 
 class TakenError(LinkError):
     """Another master owns the outputs."""
+
+
+class NotArmedError(InputError):
+    """The device does not know the switch of the high voltage as described, so that it is off."""
 
 
 class Output:
@@ -35,7 +42,7 @@ class Output:
         self.laws = Laws(self.panel)
 
     def take(self) -> None:
-        """Connect, compare the device with its description, claim the outputs and arm.
+        """Connect, compare the device with its description and claim the outputs.
 
         Raises
         ------
@@ -54,10 +61,32 @@ class Output:
             resettable = self.reset and "state" in self.panel
             if resettable and self.panel.get("state") == DeviceState.TRIPPED:
                 self.panel.set("command", Command.RESET)
-            self._arm()
+            self._refuse_unsafe()
         except BaseException:
             self.link.close()
             raise
+
+    def arm(self) -> None:
+        """Switch the high voltage on.
+
+        Raises
+        ------
+        NotArmedError
+            Where the description of the switch is wrong.
+        LinkError, DeviceRefusedError
+            Where it may be on: the write may have been carried out.
+        """
+        try:
+            self.laws.arm()
+        except DeviceRefusedError as error:
+            if error.code not in NOT_DONE:
+                raise
+            raise NotArmedError(
+                f"the high voltage cannot be switched on: {error}",
+                file=self.device.source,
+                field="safety.enable",
+                remedy="Correct its values, and the address and table of its register.",
+            ) from error
 
     def reclaim(self, *, retry: bool = False) -> None:
         """Claim again, on another connection; a failed request repeats this with itself.
@@ -118,9 +147,9 @@ class Output:
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
         return applied if abs(applied) > allowed else 0.0
 
-    def _arm(self) -> None:
+    def _refuse_unsafe(self) -> None:
         try:
-            self.laws.arm()
+            self.laws.check(0.0, 0.0)
         except TripError as trip:
             raise InputError(
                 str(trip), file=self.device.source, field="safety",
