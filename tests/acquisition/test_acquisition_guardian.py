@@ -33,6 +33,7 @@ SETTINGS = AcquisitionSettings(
 )
 VOLTS = np.full(75, 3.0)
 STEP = RATE / 50  # V
+READ_INPUT = 4  # Modbus function code
 
 
 def once_driven(module, action):
@@ -127,6 +128,24 @@ def test_a_lost_network_is_outlasted_though_the_caller_is_told_before(module, pa
     assert_ramped(module)
     shown = capfd.readouterr().err
     assert "\aALARM: plain module: the output could not be shown to be at zero" in shown
+
+
+def test_a_reading_that_is_not_answered_holds_the_output_no_longer_than_a_second(module, partial):
+    """And the time to wait for a reply: no sample may be held up for longer."""
+    usual = module._answer
+
+    def mute():
+        module._answer = lambda connection, frame: (
+            None if frame[7] == READ_INPUT else usual(connection, frame)
+        )
+
+    with pytest.raises(BrokenRecordError, match="no valid reply"):
+        drive(module, partial, mute, timeout=0.6, retries=5)
+    times, volts = module.path()
+    held = np.diff(times)[1:][volts[1:-1] > 2.9].max()
+    assert held < 1.0 + 0.6 + 0.5
+    assert_at_zero_and_stays(module, 0.3)
+    assert_ramped(module)
 
 
 @pytest.mark.parametrize("share", [0.001, 0.0], ids=["in kilovolts", "stuck at zero"])

@@ -158,3 +158,52 @@ def test_a_check_ends_a_rest(monkeypatch):
     with pytest.raises(StoppedError):
         link.rest(1.0)
     assert clock.now <= LONGEST_SLEEP
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    monkeypatch.setattr("dea.acquisition.retrying_link.time", made)
+    return made
+
+
+@pytest.mark.parametrize("connecting", [0.0, 2.0], ids=["refused", "timed out"])
+@pytest.mark.parametrize("reconnect_time", [0.0, 10.0])
+def test_a_device_that_is_gone_is_given_up_after_the_time_to_reconnect(
+    clock, monkeypatch, connecting, reconnect_time
+):
+    def unreachable(device, timeout):
+        clock.sleep(connecting)
+        raise OSError("nobody there")
+
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", unreachable)
+    settings = LinkSettings(timeout=2.0, retries=5, reconnect_time=reconnect_time)
+    with pytest.raises(LinkError, match="nobody there"):
+        Link(read_device(DESCRIPTION), settings).read(0, 2)
+    assert 0.9 * reconnect_time <= clock.now <= reconnect_time + 2.0
+
+
+class MuteClient:
+    """Never replies; every request waits for the reply as long as it may."""
+
+    def __init__(self, clock, timeout):
+        self.clock, self.timeout, self.requests = clock, timeout, 0
+
+    def execute(self, no_response_expected, request):
+        self.requests += 1
+        self.clock.sleep(self.timeout)
+        raise ModbusIOException("No response received")
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize(("longest", "asked"), [(np.inf, 6), (1.0, 3), (0.3, 1)])
+def test_no_request_is_repeated_for_longer_than_is_allowed(clock, monkeypatch, longest, asked):
+    client = MuteClient(clock, timeout=0.4)
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda device, timeout: client)
+    link = Link(read_device(DESCRIPTION), LinkSettings(timeout=0.4, retries=5))
+    link.longest_repetition = longest
+    with pytest.raises(LinkError):
+        link.read(0, 2)
+    assert client.requests == asked

@@ -363,6 +363,7 @@ class Guardian:
         self.link.settings = LinkSettings(
             timeout=self.job.settings.timeout, retries=retries, reconnect_time=0.0
         )
+        self.link.longest_repetition = math.inf
         self.link.on_connect = self.output.reclaim
         way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
         failing: float | None = None

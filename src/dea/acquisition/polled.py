@@ -48,7 +48,8 @@ def drive(
     ``late_after`` s behind it is flagged. Late samples are never sent in a burst: one whose
     whole period has passed is left out and flagged, or, on a device that counts its samples, comes
     later with all that follow; what such a device measured meanwhile, its output held, is flagged
-    as held and lost. Without ``paced``, for a device whose clock waits for the host, each sample
+    as held and lost. No reading is repeated for longer than a hold-up may last: the output would
+    be held meanwhile. Without ``paced``, for a device whose clock waits for the host, each sample
     follows the last at once. Jitter is kept in the link's log. ``tolerance`` is that of
     :class:`~dea.acquisition.read_back.Echo`; ``laws`` are checked with every sample.
 
@@ -68,6 +69,8 @@ def drive(
     poll.learn()
     echo = Echo(panel, poll.echo.name, tolerance) if poll.echo else None
     schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
+    if schedule:
+        panel.link.longest_repetition = schedule.longest_pause
     number, expected, last = 0, None, panel.zero
     try:
         while number < sequence.size:

@@ -6,6 +6,7 @@ lost. The blocks of the buffered protocol carry sequence numbers for that reason
 
 import itertools
 import logging
+import math
 import select
 import struct
 import time
@@ -103,6 +104,7 @@ class Link:
 
     ``on_connect`` is called after every reconnection; the owner claims the outputs again there.
     ``check`` is called before each attempt and may raise to end the repetition.
+    ``longest_repetition`` is for how many s after its first attempt a request is repeated at most.
     """
 
     def __init__(
@@ -112,11 +114,21 @@ class Link:
         self.log = log or LinkLog()
         self.on_connect: Callable[[], None] | None = None
         self.check: Callable[[], None] | None = None
+        self.longest_repetition = math.inf
         self.client: Client | None = None
 
-    def open(self) -> None:
-        """Connect, trying for ``reconnect_time``; raises :class:`LinkError` or InputError."""
-        deadline = time.monotonic() + self.settings.reconnect_time
+    def open(self, deadline: float | None = None) -> None:
+        """Connect, trying for ``reconnect_time``, or until ``deadline`` of the monotonic clock.
+
+        Raises
+        ------
+        LinkError
+            Where nothing answers until then.
+        InputError
+            Where the description does not allow a connection.
+        """
+        if deadline is None:
+            deadline = time.monotonic() + self.settings.reconnect_time
         pause = FIRST_PAUSE
         while True:
             self.close()
@@ -174,17 +186,19 @@ class Link:
 
         A request without a valid reply is repeated ``retries`` times. One whose connection was
         lost, or that a busy device refused, is repeated for ``reconnect_time`` at least: a gateway
-        accepts connections, and closes them again or refuses, while its device starts. Without
+        accepts connections, and closes them again or refuses, while its device starts. One that
+        finds no connection within this time is given up, whatever retries are left. Without
         ``retry``, it is sent once.
         """
         request.dev_id = self.device.unit_id
-        deadline, pause = time.monotonic() + self.settings.reconnect_time, FIRST_PAUSE
+        end = (begun := time.monotonic()) + self.longest_repetition
+        deadline, pause = min(begun + self.settings.reconnect_time, end), FIRST_PAUSE
         for attempt in itertools.count():
             if self.check is not None:
                 self.check()
             try:
                 if self.client is None:
-                    self._reconnect()
+                    self._reconnect(deadline)
                 sent = time.monotonic()
                 registers = self._attempt(request)
             except (DeviceRefusedError, *_TRANSIENT) as error:
@@ -197,8 +211,9 @@ class Link:
                 self.log.retries.append(attempt)
                 self.log.samples.append(0)
                 return registers
-            spent = attempt >= self.settings.retries
-            if not retry or (spent and not (passing and time.monotonic() < deadline)):
+            now = time.monotonic()
+            spent = attempt >= self.settings.retries or isinstance(last, LinkError)
+            if not retry or now >= end or (spent and not (passing and now < deadline)):
                 break
             if lost:
                 time.sleep(pause)
@@ -231,9 +246,9 @@ class Link:
         connection = self.client.socket
         return connection is None or bool(select.select([connection], [], [], 0)[0])
 
-    def _reconnect(self) -> None:
+    def _reconnect(self, deadline: float) -> None:
         try:
-            self.open()
+            self.open(deadline)
         except InputError as error:
             raise LinkError(str(error)) from error
         self.log.reconnects += 1
