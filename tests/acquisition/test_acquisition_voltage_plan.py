@@ -59,3 +59,13 @@ def test_an_excitation_is_reached_from_zero_and_left_to_zero(first, last):
         assert (steps >= 0.0).all()
         assert (steps <= step + COUNT).all()
     assert plan.lead == max(round(first / step) - 1, 0)
+
+
+def test_a_ramp_beyond_the_largest_rate_is_refused_where_the_sequence_holds_none():
+    """From wherever the drive breaks off, the output is taken to zero at the rate of the ramp."""
+    device = described({"output": OUTPUT}, sampling_rate=RATE, safety={"max_rate": 5.0})
+    from_zero = 1.8 - 1.8 * np.cos(2 * np.pi * 0.2 * np.arange(0, 5, 1 / RATE))
+    with pytest.raises(InputError, match=r"ramped by 5\.01 V/s") as caught:
+        plan_sequence(device, from_zero, 5.01)
+    assert caught.value.field == "safety.max_rate"
+    assert plan_sequence(device, from_zero, 5.0).length == from_zero.size
