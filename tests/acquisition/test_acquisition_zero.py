@@ -10,7 +10,7 @@ from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError
 from dea.acquisition.zero import LONGEST_STEP, READINGS, WayToZero, ZeroEvidence
 from dea.errors import InputError
-from dea.modbus import Command, to_physical
+from dea.modbus import Command, DeviceState, to_physical
 
 
 def way(link, ramp_rate=1.0, requested=0.0):
@@ -33,6 +33,31 @@ def test_more_than_one_count_is_driven(clock, counts):
     assert link.written == []
     with pytest.raises(ZeroNotVerifiedError, match=f"the output reads {STEP * counts:g} V after"):
         way(link)()
+
+
+LATCH = {"applied_output": ECHO, "watchdog_latched": {"address": 5}}
+RESETTABLE = LATCH | {"state": {"address": 2}, "command": {"address": 3, "access": "read_write"}}
+
+
+def test_a_latch_that_no_register_resets_is_refused():
+    link = MemoryLink(module(**LATCH), applied_output=0, watchdog_latched=1)
+    with pytest.raises(InputError, match="latched") as caught:
+        Output(link, reset=True).take()
+    assert caught.value.field == "registers.command"
+    assert link.written == []
+
+
+@pytest.mark.parametrize("before", [0, 3000])
+def test_a_device_that_is_driven_when_its_latch_is_reset_is_refused(before):
+    """One whose output comes back with the reset, too."""
+    reset = ("command", [Command.RESET])
+    link = MemoryLink(
+        module(**RESETTABLE), state=DeviceState.TRIPPED, watchdog_latched=1,
+        applied_output=lambda: 3000 if reset in link.written else before,
+    )  # fmt: skip
+    with pytest.raises(InputError, match="the output is not zero: 3 V"):
+        Output(link, reset=True).take()
+    assert (reset in link.written) == (before == 0)
 
 
 def test_a_read_back_of_floats_shows_zero_and_no_number_does_not(clock):

@@ -54,13 +54,15 @@ class Output:
         try:
             with answering_as_described(self.device):
                 verify_device(self.panel)
+            self._refuse_latched()
             self._refuse_while_driven()
             if "claim" in self.panel:
                 self._claim()
                 self.link.on_connect = self.reclaim
-            resettable = self.reset and "state" in self.panel
+            resettable = self.reset and "command" in self.panel
             if resettable and self.panel.get("state") == DeviceState.TRIPPED:
                 self.panel.set("command", Command.RESET)
+                self._refuse_while_driven()
             self._refuse_unsafe()
         except BaseException:
             self.link.close()
@@ -169,15 +171,25 @@ class Output:
                 remedy="End it, or wait until the device's watchdog has released them.",
             ) from None
 
+    def _refuse_latched(self) -> None:
+        if "watchdog_latched" not in self.panel or not self.panel.get("watchdog_latched"):
+            return
+        if not self.reset:
+            raise InputError(
+                "the device's watchdog has latched: an earlier host fell silent while driving",
+                file=self.device.source,
+                remedy="Find out why, then start with --reset.",
+            )
+        if "command" not in self.panel:
+            raise InputError(
+                "the device's watchdog has latched, and no register is described that resets it",
+                file=self.device.source,
+                field="registers.command",
+                remedy="Reset it at the device, then start without --reset.",
+            )
+
     def _refuse_while_driven(self) -> None:
-        if "watchdog_latched" in self.panel and self.panel.get("watchdog_latched"):
-            if not self.reset:
-                raise InputError(
-                    "the device's watchdog has latched: an earlier host fell silent while driving",
-                    file=self.device.source,
-                    remedy="Find out why, then start with --reset.",
-                )
-        elif driven := self.driven():
+        if driven := self.driven():
             raise InputError(
                 f"the output is not zero: {driven:g} V",
                 file=self.device.source,
