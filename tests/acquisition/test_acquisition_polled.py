@@ -184,6 +184,16 @@ def test_a_device_that_went_on_for_long_or_measured_nothing_ends_the_record(cloc
     assert said in str(failure)
 
 
+@pytest.mark.parametrize(("paced", "most"), [(True, 1.0 / PERIOD), (False, 1)])
+def test_an_index_that_jumps_far_stands_for_no_more_samples_than_may_be_missed(clock, paced, most):
+    panel = Panel(Module(clock, index=True, jumps={10: 20000}))
+    panel.link.log.started = 0.0
+    sequence, laws = Planned(COUNTS, panel.zero), Laws(panel)
+    with pytest.raises(BrokenRecordError, match="the device measured 20000 more") as caught:
+        list(drive(panel, sequence, laws, late_after=0.005, tolerance=0.05, paced=paced))
+    assert caught.value.count == caught.value.samples.position.size <= most
+
+
 def test_a_long_hold_up_ends_the_record(clock):
     module = Module(clock, holds={9: 5.0})
     samples, failure = driven(module, COUNTS)

@@ -96,7 +96,8 @@ def drive(
                 more = index - expected
                 if schedule is None or not 0 < more * schedule.period <= schedule.longest_pause:
                     what = f"the device measured {more} more" if more > 0 else "nothing new"
-                    raise _broken(what, number, expected, count, max(more, 1))
+                    most = int(schedule.longest_pause / schedule.period) if schedule else 1
+                    raise _broken(what, number, expected, count, min(max(more, 1), most))
                 rows.hold(number - 1, range(expected, index), last)
             if schedule:
                 # An exchange that was held up was carried out at some time until its reply. Where
