@@ -118,16 +118,16 @@ def test_a_range_spreads_over_all_counts(low, span, kind):
     assert np.array_equal(to_counts(register, to_physical(register, counts)), counts)
 
 
-@given(st.floats(0, 7), st.floats(0.01, 7))
-def test_no_count_inside_the_limits_exceeds_them(low, span):
-    device = device_with(range=[0, 15], limits=[low, low + span])
+@given(st.floats(-7, 0), st.floats(0.01, 7))
+def test_no_count_inside_the_limits_exceeds_them(low, high):
+    device = device_with(range=[-7.5, 7.5], limits=[low, high])
     register = device["output"]
     first, last = limit_counts(device)
     tolerance = 1e-8 * register.scale
     assert to_physical(register, first) >= low - tolerance
-    assert to_physical(register, last) <= low + span + tolerance
+    assert to_physical(register, last) <= high + tolerance
     assert to_physical(register, first - 1) < low
-    assert to_physical(register, last + 1) > low + span
+    assert to_physical(register, last + 1) > high
 
 
 @given(st.floats(-20, 0), st.floats(0.1, 20), st.sampled_from(["uint16", "int16"]))

@@ -69,6 +69,7 @@ def setter(*path_and_value):
          "missing beside a register command"),
         (setter("registers", "output", "limits", [4, 0]), "registers.output.limits", "cross"),
         (setter("registers", "output", "limits", [4]), "registers.output.limits", "low, high"),
+        (setter("registers", "output", "limits", [1, 4]), "registers.output.limits", "out 0 V"),
         (setter("registers", "output", "limits", [0, 11]), "registers.output.limits",
          r"\[0, 11\] leaves the range \[0, 10\]"),
         (setter("registers", "output", "scale", 2), "registers.output.range", "Keep one"),

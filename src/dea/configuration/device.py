@@ -130,6 +130,12 @@ class DeviceDescription(Section):
                 "read" if "access" in output.model_fields_set else "missing, which means read",
                 "Give write or read_write: it is what is driven.",
             )
+        if output and output.limits and not output.limits[0] <= 0 <= output.limits[1]:
+            raise refuse(
+                "registers.output.limits",
+                f"[{output.limits[0]:g}, {output.limits[1]:g}] leaves out 0 V",
+                "Give limits around 0 V, at which every drive begins and ends.",
+            )
         for name in ("applied_output", "displacement"):
             register = self.registers.get(name)
             if register and register.access == "write":
