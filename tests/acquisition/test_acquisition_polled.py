@@ -139,6 +139,22 @@ def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(cl
     assert np.diff(written[:, 1]).max() <= LARGEST_STEP
 
 
+@pytest.mark.parametrize("index", [False, True])
+@pytest.mark.parametrize("seed", range(5))
+def test_held_up_writes_exceed_the_rate_in_time_by_three_periods_at_most(clock, seed, index):
+    rng = np.random.default_rng(seed)
+    holds = zip(rng.choice(60, 12, replace=False), rng.uniform(0, 8 * PERIOD, 12), strict=True)
+    module = Module(clock, holds=dict(holds), index=index)
+    _, failure = driven(module, LARGEST_STEP * np.arange(100))
+    assert failure is None
+    times, counts = np.array(module.written).T
+    periods = (times[None, :] - times[:, None]) / PERIOD
+    before = np.concatenate([[0], counts[:-1]])
+    changes = counts[None, :] - before[:, None]
+    later = periods >= 0
+    assert (changes[later] <= LARGEST_STEP * (periods[later] + 3)).all()
+
+
 def test_only_what_follows_samples_left_out_is_approached(clock):
     """The ramp to the start of a loop may be faster than what the loop may ask for."""
     module = Module(clock, holds={9: 0.03})  # late, by less than a period
