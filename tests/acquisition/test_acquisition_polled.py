@@ -13,11 +13,12 @@ from dea.acquisition import (
     ReadBackError,
     acquire,
 )
-from dea.acquisition.laws import Laws
+from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.polled import drive
 from dea.acquisition.voltage_plan import Planned
+from dea.configuration.safety import Safety
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
 PERIOD = 0.02  # s
@@ -224,14 +225,31 @@ def test_what_was_measured_before_a_failure_is_kept(clock):
     assert samples[0].tolist() == list(range(5))
 
 
+def test_the_sample_at_which_the_safety_model_trips_is_kept(clock):
+    class Tripping(Laws):
+        def check(self, low, high):
+            if high > 0.3:
+                raise TripError("the current is too large")
+
+    module = Module(clock)
+    module.device = replace(module.device, safety=Safety())
+    panel, blocks = Panel(module), []
+    sequence, laws = Planned(COUNTS, panel.zero), Tripping(panel)
+    with pytest.raises(TripError):
+        blocks += drive(panel, sequence, laws, late_after=0.005, tolerance=0.05)
+    requested = np.concatenate([block.requested for block in blocks])
+    assert requested.tolist() == [count for _, count in module.written]
+    assert requested[-1] * 10 / 65535 > 0.3 >= requested[-2] * 10 / 65535
+
+
 @pytest.mark.parametrize("reads", [0.001, 0.0], ids=["in kilovolts", "stuck at zero"])
 def test_a_read_back_that_is_not_what_was_asked_for_ends_the_record(clock, reads):
     samples, failure = driven(Module(clock, reads=reads), COUNTS)
     assert isinstance(failure, ReadBackError)
     wrong = np.flatnonzero(samples[5] == Quality.CLAMPED)
     asked = samples[2] * 10 / 65535
-    # The first may still be that of the sample before; the next two may not.
-    assert wrong.tolist() == list(range(samples[0].size - 3, samples[0].size))
+    # The first may still be that of the sample before; the next three may not.
+    assert wrong.tolist() == list(range(samples[0].size - 4, samples[0].size))
     assert 0.2 < asked[wrong[0]] < 0.25  # V, beyond 5 % of the span of the limits
 
 

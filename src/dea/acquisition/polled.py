@@ -99,21 +99,23 @@ def drive(
                     most = int(schedule.longest_pause / schedule.period) if schedule else 1
                     raise _broken(what, number, expected, count, min(max(more, 1), most))
                 rows.hold(number - 1, range(expected, index), last)
+            ended = time.monotonic() - panel.link.log.started
             if schedule:
                 # An exchange that was held up was carried out at some time until its reply. Where
                 # the device counts its samples, it says itself which one that was.
-                answered = time.monotonic() - panel.link.log.started
-                late = lateness + answered - begun > max(schedule.period, late_after)
+                late = lateness + ended - begun > max(schedule.period, late_after)
                 if late and not schedule.counted:
                     flag |= Quality.LATE
                 schedule.written(sent)
+            if echo and not echo.right(sent, applied):
+                flag |= Quality.CLAMPED
+            # Before what may end the drive: the sample that ends it is of the record, too.
+            rows.add(number, index, count, applied, displacement, flag, begun, ended)
             if panel.device.safety is not None:
                 volts = float(to_physical(panel.device["output"], sent))
                 laws.check(volts, volts)
-            if echo and not echo(sent, applied):
-                flag |= Quality.CLAMPED
-            ended = time.monotonic() - panel.link.log.started
-            rows.add(number, index, count, applied, displacement, flag, begun, ended)
+            if echo:
+                echo(sent, applied)
             sequence.measured(number, displacement)
             number, expected, last = number + 1, index + 1, count
             yield from rows.due()

@@ -120,7 +120,7 @@ class Echo:
         self._asked: deque[float] = deque(maxlen=LAG + 1)
         self._wrong = 0
 
-    def right(self, counts: np.ndarray, applied: np.ndarray) -> np.ndarray:
+    def right(self, counts: np.ndarray | float, applied: np.ndarray | float) -> np.ndarray:
         """Return, sample by sample, whether what was applied is what was asked for; all raw."""
         asked, found = to_physical(self.output, counts), to_physical(self.register, applied)
         return np.asarray(np.abs(found - asked) <= self.tolerance)
