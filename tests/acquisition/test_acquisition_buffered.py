@@ -2,8 +2,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, ReadBackError, acquire
+from dea.acquisition import AcquisitionSettings, Quality, ReadBackError, acquire
+from dea.acquisition.buffered import Reply, _Playback
+from dea.acquisition.laws import Laws
+from dea.acquisition.link_log import LinkLog
+from dea.acquisition.panel import Panel
+from dea.acquisition.read_back import Echo
+from dea.modbus import DeviceState, Origin, read_device
+from served_bench import DESCRIPTION
 
 FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=2.0)
 
@@ -74,3 +82,39 @@ def test_an_output_that_stays_near_zero_cannot_be_told_from_a_wrong_register(ser
     device = moved(bench.endpoint, applied_output=55)
     record = acquire(device, volts, tmp_path / "a.partial", FAST).record
     assert record.sizes["time"] == 200
+
+
+class Exchange:
+    """The block registers of a device that has measured nothing yet."""
+
+    capacity = 55
+
+    def __init__(self, panel):
+        pass
+
+    def __call__(self, *asked):
+        return answer(0, 0, Origin.REST, [])
+
+
+def answer(index, position, origin, applied):
+    values = np.array(applied, int)
+    end = index + values.size
+    return Reply(0, index, position, end, origin, DeviceState.RUNNING, 0, values, values)
+
+
+def test_an_empty_fifo_at_zero_volts_is_held_between_samples_that_are_played(monkeypatch):
+    """Before the first, the device rests."""
+    monkeypatch.setattr("dea.acquisition.buffered.BlockExchange", Exchange)
+    link = MemoryLink(read_device(DESCRIPTION), fifo_length=512, watchdog_time=1.0, boot=7)
+    link.log = LinkLog()
+    panel, counts = Panel(link), np.array([5, 0, 6])
+    echo = Echo(panel, "applied_output", 0.05)
+    playback = _Playback(panel, counts, Laws(panel), echo)
+    assert playback.collect(answer(0, 0, Origin.REST, [0, 0])) is None
+    assert playback.collect(answer(2, 0, Origin.PLAYED, [5, 0])).quality.tolist() == [0, 0]
+    held = playback.collect(answer(4, 2, Origin.REST, [0, 0, 0]))
+    assert held.quality.tolist() == [Quality.HELD] * 3
+    assert held.position.tolist() == [1] * 3
+    assert held.device_index.tolist() == [4, 5, 6]
+    last = playback.collect(answer(7, 2, Origin.PLAYED, [6]))
+    assert (last.position.tolist(), last.quality.tolist()) == ([2], [0])

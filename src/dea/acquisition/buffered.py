@@ -6,7 +6,7 @@ the device plays a sequence number once, and an index always means the same samp
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -166,6 +166,9 @@ class _Playback:
             raise self._broken("the device stands still")
         if reply.origin == Origin.PLAYED and reply.applied.size and reply.position != self.done:
             raise self._misplaced()
+        resting = reply.origin == Origin.REST and reply.state == DeviceState.RUNNING
+        if resting and self.done:  # the FIFO has run empty at zero volts, within the sequence
+            reply = replace(reply, origin=Origin.HELD)
         now = time.monotonic() - self.panel.link.log.started
         samples = _samples(reply, self.counts, self.echo, now)
         self.wanted += reply.applied.size

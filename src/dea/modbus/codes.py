@@ -25,7 +25,7 @@ class Origin(IntEnum):
     """Why a sample was applied: ``reply_origin``."""
 
     PLAYED = 1
-    HELD = 2  # the FIFO was empty
+    HELD = 2  # the FIFO was empty, and the output not at zero
     REST = 3
     RAMP = 4
     TRIPPED = 5
