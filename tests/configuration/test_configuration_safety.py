@@ -20,7 +20,7 @@ GOOD = {
     "registers": {
         "output": {"address": 0, "range": [0, 10], "unit": "V", "access": "read_write"},
         "displacement": {"address": 0, "table": "input", "unit": "mm"},
-        "claim": {"address": 9, "access": "read_write"},
+        "claim": {"address": 9, "type": "uint32", "access": "read_write"},
         "voltage": {"address": 1, "table": "input", "unit": "V"},
         "current": {"address": 2, "table": "input", "unit": "A"},
         "door": {"address": 0, "table": "discrete", "type": "bool"},

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
-from dea.configuration.register import INTEGERS, KNOWN, Order, Register, Table
+from dea.configuration.register import ARRAYS, INTEGERS, KNOWN, TYPES, Order, Register, Table
 from dea.configuration.safety import Mode, Safety
 from dea.configuration.safety_registers import check_registers
 from dea.configuration.section import NotNegative, Positive, Section, Truth, Whole, key, refuse
@@ -151,6 +151,17 @@ class DeviceDescription(Section):
                     f"registers.{name}.type",
                     f"{register.type}, count {register.count}, and {why}",
                     "Use the device's integer register and count: 1.",
+                )
+        for name, types in TYPES.items():
+            register = self.registers.get(name)
+            if register is None:
+                continue
+            if register.type not in types or (register.count > 1 and name not in ARRAYS):
+                raise refuse(
+                    f"registers.{name}.type",
+                    f"{register.type}, count {register.count}, which cannot hold it",
+                    f"Give one of {', '.join(types)}"
+                    + (", as the device has it." if name in ARRAYS else ", and count: 1."),
                 )
         return self
 

@@ -28,6 +28,19 @@ KNOWN = (
 )
 
 INTEGERS: tuple[RegisterType, ...] = ("uint16", "int16", "uint32", "int32", "uint64", "int64")
+NUMBERS: tuple[RegisterType, ...] = (*INTEGERS, "float32", "float64")
+LONG: tuple[RegisterType, ...] = ("uint32", "uint64", "int64")  # hold 32 bits without a sign
+ARRAYS = ("block_samples", "reply_samples")
+# What the known registers hold; `boot` is only compared.
+TYPES: Mapping[str, tuple[RegisterType, ...]] = (
+    dict.fromkeys(KNOWN, NUMBERS)
+    | dict.fromkeys(("state", "command", "fifo_length", "block_count", *ARRAYS), INTEGERS)
+    | dict.fromkeys(("reply_count", "reply_origin", "reply_state", "reply_fifo"), INTEGERS)
+    | dict.fromkeys(("claim", "block_crc", "block_sequence", "block_read_index"), LONG)
+    | dict.fromkeys((f"reply_{name}" for name in ("crc", "sequence", "index", "position")), LONG)
+    | {"reply_next": LONG, "watchdog_latched": (*NUMBERS, "bool")}
+    | {"boot": (*NUMBERS, "string")}
+)
 # 16-bit registers that one value occupies.
 WORDS: Mapping[RegisterType, int] = {
     "uint16": 1,
@@ -113,6 +126,12 @@ class Register(Section):
                 "access",
                 f"{self.access}, but inputs can only be read",
                 "Use table: holding or coil, or access: read.",
+            )
+        if self.expect is not None and self.type != "string" and self.count > 1:
+            raise refuse(
+                "expect",
+                f"{self.expect!r}, and the register holds {self.count} values",
+                "Describe the value that is expected as a register of its own.",
             )
         if self.expect is not None and isinstance(self.expect, str) != (self.type == "string"):
             raise refuse(
