@@ -100,8 +100,12 @@ def test_check_prints_what_the_device_says(serve_bench, capsys):
 
 
 @pytest.mark.parametrize(
-    ("value", "shown"), [(100000.0, "100000"), (7, "7"), (0.25, "0.25"), ("dea-bench", "dea-bench")]
-)
+    ("value", "shown"),
+    [
+        (100000.0, "100000"), (7, "7"), (0.25, "0.25"), ("dea-bench", "dea-bench"),
+        ([1.0, 0.5], "[1, 0.5]"),
+    ],
+)  # fmt: skip
 def test_whole_numbers_are_printed_as_such(value, shown):
     assert _plain(value) == shown
 
@@ -111,10 +115,12 @@ def test_an_output_beyond_its_limits_is_remarked(module, tmp_path, capsys):
     described = yaml.safe_load((ROOT / "config/devices/analogue_module.yaml").read_text())
     described["endpoint"]["port"] = module.port
     described["registers"]["output"]["access"] = "read_write"
+    described["registers"]["levels"] = {"address": 20, "count": 3, "offset": 0.5}
     file.write_text(yaml.safe_dump(described))
     module._write(32768)
     main(["check", "--device", str(file)])
     shown = capsys.readouterr().out
+    assert re.search(r"levels +\[0\.5, 0\.5, 0\.5\]\n", shown)
     assert re.search(r"output +5\.00\d* V  OUTSIDE its limits, 0 to 3.76 V: `zero` takes it", shown)
 
 

@@ -1,7 +1,7 @@
 """Registers by name."""
 
 import pytest
-from made_device import module
+from made_device import STEP, module
 from memory_link import MemoryLink
 
 from dea.acquisition import LinkError
@@ -17,3 +17,13 @@ def test_a_value_is_confirmed_by_the_next_reading_alone():
     assert panel([*range(CONFIRMATIONS), CONFIRMATIONS - 1]).confirmed("state") == CONFIRMATIONS - 1
     with pytest.raises(LinkError, match="reads differently each time"):
         panel(range(CONFIRMATIONS + 1)).confirmed("state")
+
+
+def test_the_physical_value_of_an_array_is_a_list_and_of_text_itself():
+    registers = {
+        "levels": {"address": 10, "type": "int16", "count": 3, "scale": STEP, "offset": 1.0},
+        "label": {"address": 20, "type": "string", "count": 2},
+    }
+    panel = Panel(MemoryLink(module(**registers), levels=[0, -500, 2000], label="abc"))
+    assert panel.physical("levels") == pytest.approx([1.0, 0.5, 3.0])
+    assert panel.physical("label") == "abc"

@@ -123,7 +123,7 @@ def check(options: argparse.Namespace) -> None:
         for name, register in device.registers.items():
             if register.access != "write" and name not in (*BLOCK, *REPLY):
                 with answering_as_described(device, f"registers.{name}"):
-                    value = panel.get(name) if register.type == "string" else panel.number(name)
+                    value = panel.physical(name)
                 unit = "" if register.unit == "1" else f" {register.unit}"
                 print(f"{name:24} {_plain(value)}{unit}{_remark(register, value)}")
     finally:
@@ -133,6 +133,8 @@ def check(options: argparse.Namespace) -> None:
 
 def _plain(value: Value) -> str:
     """Return a value, a whole number without decimals or exponent."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_plain, value))}]"
     if not isinstance(value, float):
         return str(value)
     return f"{value:.0f}" if value.is_integer() and abs(value) < WHOLE else f"{value:g}"

@@ -1,8 +1,10 @@
 """A device's registers by name."""
 
+import numpy as np
+
 from dea.acquisition.retrying_link import Link, LinkError
 from dea.errors import InputError
-from dea.modbus import Value, decode, encode, to_counts
+from dea.modbus import Value, decode, encode, to_counts, to_physical
 
 CONFIRMATIONS = 20  # readings at most until two in a row agree
 
@@ -66,6 +68,15 @@ class Panel:
         """Physical value of a numeric register."""
         register = self.device[name]
         return register.offset + register.scale * self._raw(name)
+
+    def physical(self, name: str) -> Value:
+        """Physical value of a register: a number, a list of them, or text."""
+        register, value = self.device[name], self.get(name)
+        if isinstance(value, str):
+            return value
+        values = to_physical(register, np.asarray(value, float)).tolist()
+        assert isinstance(values, float | list)
+        return values
 
     def set(self, name: str, value: Value, *, retry: bool = True) -> None:
         """Write a raw value."""

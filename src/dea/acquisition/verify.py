@@ -59,8 +59,7 @@ def verify_device(panel: Panel) -> None:
     device = panel.device
     for name, register in device.registers.items():
         if register.expect is not None:
-            found = panel.get(name) if register.type == "string" else panel.number(name)
-            _compare(device, name, found, register.expect)
+            _compare(device, name, panel.physical(name), register.expect)
         if register.range is not None:
             for end, expected in zip(("low", "high"), register.range, strict=True):
                 if f"{name}_range_{end}" in panel:
