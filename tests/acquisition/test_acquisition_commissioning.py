@@ -43,6 +43,19 @@ def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path
     assert not list(tmp_path.iterdir())
 
 
+def test_a_report_outlives_a_terminal_that_has_gone(module, tmp_path, monkeypatch):
+    path = description(module, tmp_path)
+
+    def gone(*_, **__):
+        raise BrokenPipeError
+
+    monkeypatch.setattr("dea.acquisition.__main__.staircase", lambda *_: {"device": "plain"})
+    monkeypatch.setattr("builtins.print", gone)
+    with pytest.raises(SystemExit):
+        main(["commission", "--device", str(path), "--arm", "A. Person"])
+    assert json.loads(report_file(path).read_text())["device"] == "plain"
+
+
 def test_what_a_device_measured_beside_the_staircase_is_left_out(module, tmp_path):
     target = module.description()
     index = replace(target["displacement"], name="device_index", address=5, table="holding")

@@ -91,8 +91,11 @@ def commission(options: argparse.Namespace) -> None:
     validated(Commissioned, {"share": options.share})
     partial = options.device.with_suffix(".commissioning.partial")
     report = staircase(device, partial, settings, options.share)
-    print(json.dumps(report, indent=2, sort_keys=True))
-    print(f"written to {write_report(device, report)}")
+    try:  # first: a terminal that has gone must not cost it
+        path = write_report(device, report)
+    finally:
+        print(json.dumps(report, indent=2, sort_keys=True))
+    print(f"written to {path}")
 
 
 def _excitation_settings(options: argparse.Namespace) -> dict[str, Any]:
