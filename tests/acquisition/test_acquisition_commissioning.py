@@ -43,6 +43,21 @@ def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path
     assert not list(tmp_path.iterdir())
 
 
+def test_the_staircase_of_an_output_below_zero_leads_down(module, tmp_path):
+    below = {"range": [-10, 0], "unit": "V"}
+    module._count = 65535  # 0 V
+    registers = {
+        "output": {"address": 0, **below, "limits": [-4, 0], "access": "write"},
+        "applied_output": {"address": 1, **below},
+        "displacement": {"address": 0, "table": "input", "range": [0, 10], "unit": "mm"},
+    }
+    report = commission(
+        module.description(registers=registers), tmp_path / "c.partial", SETTINGS, 0.03
+    )
+    assert report["highest"] == pytest.approx(-0.03 * 4.0)
+    assert report["read_back_gain"] == pytest.approx(1.0, abs=1e-3)
+
+
 def test_a_report_outlives_a_terminal_that_has_gone(module, tmp_path, monkeypatch):
     path = description(module, tmp_path)
 

@@ -42,7 +42,7 @@ Command = Callable[[argparse.Namespace], None]
 class Commissioned(Section):
     """How far an output is commissioned."""
 
-    share: Share = key("of its upper limit")
+    share: Share = key("of its limit farther from 0 V")
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -254,7 +254,9 @@ def _parser() -> argparse.ArgumentParser:
                 help="your name: you have checked the setup and arm the high voltage",
             )  # fmt: skip
         if run is commission:
-            added.add_argument("--share", type=float, default=0.03, help="of the upper limit")
+            added.add_argument(
+                "--share", type=float, default=0.03, help="of the limit farther from 0 V"
+            )  # fmt: skip
         if run in (drive, commission, zero):
             added.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
         if run is acknowledge:

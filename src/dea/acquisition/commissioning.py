@@ -35,7 +35,7 @@ WATCHDOG_MARGIN = 1.5  # s beyond the watchdog's time
 def commission(
     device: Device, partial: Path, settings: AcquisitionSettings, share: float
 ) -> dict[str, Any]:
-    """Drive a staircase up to ``share`` of the upper limit; return what it showed.
+    """Drive a staircase to ``share`` of the limit farther from 0 V; return what it showed.
 
     Where the device has a watchdog, its guardian is then killed at the top, to see whether the
     device takes the output to zero by itself.
@@ -53,7 +53,8 @@ def commission(
             field="registers.output.limits",
             remedy="Give the lowest and the highest voltage that film and amplifier bear",
         )
-    stairs = np.linspace(0.0, share * limits[1], STEPS + 1)[1:]
+    farther = max(reversed(limits), key=abs)
+    stairs = np.linspace(0.0, share * farther, STEPS + 1)[1:]
     hold = max(round(HOLD * device.sampling_rate), 10)
     polled = replace(settings, mode="polled", paced=True)
     together = _read_together(device)
@@ -147,7 +148,8 @@ def _trip_watchdog(
     found: dict[str, float] = {}
 
     def kill(samples: DrivenSamples, _: LinkLog) -> None:
-        if to_physical(device["output"], samples.requested).max() < volts.max():
+        requested = to_physical(device["output"], samples.requested)
+        if np.abs(requested).max() < np.abs(volts).max():
             return
         notice = look(duty_file(device))
         if not notice.alive:
