@@ -20,6 +20,8 @@ from dea.acquisition import (
     by_hand,
 )
 from dea.acquisition.interrupts import Interruption
+from dea.acquisition.partial import PartialFile, recover
+from dea.acquisition.reported import reported
 from dea.errors import InputError
 from dea.modbus import encode
 
@@ -207,12 +209,47 @@ def test_a_signal_ends_at_zero(serve_bench, partial, number):
     handler = signal.signal(number, signal.default_int_handler)
     before = signal.getsignal(number)
     kill = when_driven(bench, lambda: os.kill(os.getpid(), number))
-    with pytest.raises(Interrupted, match=number.name):
+    with pytest.raises(Interrupted, match=number.name) as caught:
         acquire(bench.endpoint, VOLTS, partial, FAST, watch=kill)
+    assert f"in {partial}: recover it" in caught.value.__notes__[-1]
     assert bench.applied.max() > 5000
     assert bench.player.applied == 0
     assert signal.getsignal(number) == before
     signal.signal(number, handler)
+
+
+def test_a_signal_after_the_last_sample_says_where_the_record_is(serve_bench, partial, monkeypatch):
+    close = PartialFile.close
+
+    def closed(file):
+        close(file)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(PartialFile, "close", closed)
+    with pytest.raises(Interrupted) as caught:
+        acquire(serve_bench().endpoint, VOLTS, partial, FAST)
+    assert f"in {partial}: recover it" in caught.value.__notes__[-1]
+    assert recover(partial).samples.position.size > VOLTS.size
+
+
+def test_a_refusal_says_nothing_of_samples(serve_bench, partial):
+    bench = serve_bench()
+    partial.write_bytes(b"of an earlier run")
+    with pytest.raises(InputError) as caught:
+        acquire(replace(bench.endpoint, unit_id=9), VOLTS, partial, FAST)
+    assert not hasattr(caught.value, "__notes__")
+
+
+def test_what_a_signal_has_cost_is_said_in_the_same_line(capsys):
+    signalled = Interrupted("SIGINT")
+    signalled.add_note("The film is at rest.")
+    signalled.add_note("Every sample is in a.partial: recover it.")
+    with pytest.raises(SystemExit), reported():
+        raise signalled
+    assert capsys.readouterr().err == (
+        "ended by SIGINT; the output is at zero. The film is at rest. "
+        "Every sample is in a.partial: recover it.\n"
+    )
 
 
 def test_a_program_that_was_started_with_nohup_outlives_its_terminal():

@@ -1,7 +1,7 @@
 """One acquisition: from an excitation to a record, with the output at zero volts at the end."""
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from functools import partial as partial_function
 from pathlib import Path
@@ -157,13 +157,17 @@ def _attempt(
     loop: ClosedLoop | None,
 ) -> DrivenSamples:
     """Return everything measured while a guardian drove the plan, zero shown before and after."""
-    blocks = []
+    blocks: list[DrivenSamples] = []
     interruption = Interruption()
     note = {
         "device": job.device.name, "lead": plan.lead, "length": plan.length,
         "description": job.device.described, "virtual": job.device.virtual,
     }  # fmt: skip
-    with interruption, Recorder(job, log, interruption.check) as recorder:
+    with (
+        _telling_where(partial, blocks),
+        interruption,
+        Recorder(job, log, interruption.check) as recorder,
+    ):
         recorder.await_ready()
         set_aside(partial)
         with PartialFile(partial, note | {"settings": asdict(job.settings)}) as file:
@@ -185,6 +189,17 @@ def _attempt(
                 raise
             file.note({"complete": True, "zero": recorder.evidence})
     return DrivenSamples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+@contextmanager
+def _telling_where(partial: Path, blocks: list[DrivenSamples]) -> Iterator[None]:
+    """Add where the samples are, if there are any, to what costs the record."""
+    try:
+        yield
+    except BaseException as error:
+        if blocks:
+            error.add_note(f"What the disk has taken of it is in {partial}: recover it.")
+        raise
 
 
 def refuse_unarmed(device: Device, armed_by: str) -> None:

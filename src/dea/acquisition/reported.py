@@ -25,14 +25,20 @@ def reported(ended: str = "ended by SIGINT") -> Iterator[None]:
         say(f"DANGER: {error}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
-        say(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]))
+        _say_of(error, f"failed: {error}")
         raise SystemExit(1) from None
     except Interrupted as signal:
-        say(f"ended by {signal}; the output is at zero")
+        _say_of(signal, f"ended by {signal}; the output is at zero")
         raise SystemExit(130) from None
     except KeyboardInterrupt:  # where no output is this command's to take to zero
         say(ended)
         raise SystemExit(130) from None
+
+
+def _say_of(error: BaseException, text: str) -> None:
+    """Say why the block ended, and what its error notes besides."""
+    notes = " ".join(getattr(error, "__notes__", []))
+    say(f"{text}. {notes}" if notes else text)
 
 
 def say(text: str) -> None:
