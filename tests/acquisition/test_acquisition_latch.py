@@ -1,6 +1,7 @@
 """A trip binds every account of the computer, by whatever name it calls the device."""
 
 import errno
+import json
 import os
 import stat
 import threading
@@ -149,6 +150,20 @@ def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
         with pytest.raises(OSError, match="No space"):
             latch.acknowledge(device, "A. Person")
     assert latch.trip(device)["reason"] == "the door is open"
+
+
+def test_a_trip_whose_acknowledgement_is_kept_in_part_stays(device, monkeypatch):
+    path = latch.latch_file(device)
+    latch.latch(path, device.name, "the door is open", WHEN)
+    write = os.write
+    with monkeypatch.context() as patched:
+        patched.setattr("os.write", lambda handle, data: write(handle, data[:20]))
+        with pytest.raises(OSError, match="No space"):
+            latch.acknowledge(device, "A. Person")
+    assert latch.trip(device)["reason"] == "the door is open"
+    assert latch.acknowledge(device, "A. Person") == "the door is open"
+    [line] = path.with_name(f"{path.name}.log").read_text().splitlines()
+    assert json.loads(line)["acknowledged_by"] == "A. Person"
 
 
 @pytest.mark.parametrize("ending", [KeyboardInterrupt, OSError])

@@ -3,6 +3,7 @@
 Every account of this computer finds the trip of a device, whatever its description calls the host.
 """
 
+import errno
 import json
 import os
 import stat
@@ -167,12 +168,15 @@ def _identity(path: Path) -> tuple[int, int] | None:
 
 
 def _log(path: Path, found: dict[str, str], person: str) -> None:
-    """Add the acknowledgement of a trip at ``path`` to the log beside it."""
+    """Add the acknowledgement of a trip at ``path`` to the log beside it, on the disk."""
     line = json.dumps(found | {"acknowledged_by": person, "acknowledged": utc_now()}) + "\n"
     handle = open_shared(path.with_name(f"{path.name}.log"))
     try:
-        os.lseek(handle, 0, os.SEEK_END)
-        os.write(handle, line.encode())
+        end = os.lseek(handle, 0, os.SEEK_END)
+        if os.write(handle, line.encode()) < len(line):  # all ASCII
+            os.ftruncate(handle, end)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), f"{path}.log")
+        os.fsync(handle)
         with suppress(PermissionError):  # another account has made it, with this mode
             os.fchmod(handle, _MODE)
     finally:
