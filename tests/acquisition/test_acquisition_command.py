@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from dea.bench.__main__ import main as serve
 from dea.configuration.bench import read_bench
 from dea.errors import InputError
 from dea.modbus import read_device
+from dea.plant import ServedRig
 from dea.progress import tell
 from dea.stages.acquire import acquire
 from dea.stages.driving import excitation
@@ -526,6 +528,11 @@ def without(name):
         ("dea1", {"sampling_rate": 100}, [], "sampling_rate: 100 Hz. The bench samples at 50 Hz"),
         ("dea1", {"registers": without("block_crc")}, [], "no register 'block_crc'"),
         ("dea1", {"registers": without("boot")}, [], "no register 'boot'"),
+        ("dea1", {"registers": without("boot") | {"boot": {"address": 17}}}, [],
+         "device.yaml: registers.boot: "),
+        ("dea1", {"registers": without("identity")
+                  | {"identity": {"address": 0, "type": "string", "count": 4}}}, [],
+         "device.yaml: registers.identity: 'dea-bench' is longer than the 8 characters held"),
         ("dea1", {"framing": "serial", "serial": {"port": "x"}}, [], "cannot be reached by serial"),
         ("dea1", {}, ["--port", "70000"], "port: it is 70000. Give a whole number from 0 to 65535"),
         ("dea1", {}, ["--seed", "-1"], "seed: it is -1. Give a whole number of at least 0"),
@@ -533,7 +540,7 @@ def without(name):
         ("dea1", {"framing": "tls"}, [], "Give --tls-certificate and --tls-key"),
         ("dea1", {"framing": "tls"}, ["--tls-certificate", "missing.pem"], "missing.pem"),
     ],
-)
+)  # fmt: skip
 def test_the_bench_says_what_is_wrong(tmp_path, capsys, actuator, changes, options, message):
     with pytest.raises(SystemExit) as caught:
         serve(["--actuator", actuator, "--config", str(ROOT / "config/bench.yaml"),
@@ -542,6 +549,21 @@ def test_the_bench_says_what_is_wrong(tmp_path, capsys, actuator, changes, optio
     shown = capsys.readouterr()
     assert message in shown.err
     assert not shown.out
+
+
+def test_the_truth_of_a_trial_is_written_whole_also_into_a_new_folder(tmp_path, monkeypatch):
+    rig = ServedRig.__new__(ServedRig)
+    rig._pieces = [np.arange(3.0), np.ones(2)]
+    server = SimpleNamespace(
+        host="127.0.0.1", device=SimpleNamespace(player=SimpleNamespace(plant=rig))
+    )
+    monkeypatch.setattr("dea.bench.__main__._server", lambda _: server)
+    monkeypatch.setattr("dea.bench.__main__._run", lambda *_: None)
+    monkeypatch.setattr("asyncio.run", lambda _: None)
+    truth = tmp_path / "new" / "0001.npy"
+    serve(["--trial", "sealed.json", "--truth", str(truth)])
+    assert np.load(truth).tolist() == [0.0, 1.0, 2.0, 1.0, 1.0]
+    assert list(truth.parent.iterdir()) == [truth]
 
 
 def test_the_display_keeps_the_last_seconds_alone():

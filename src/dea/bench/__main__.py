@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dea.atomic_file import atomic
 from dea.bench.device import BenchDevice
 from dea.bench.player import OutputLimits, Player
 from dea.bench.server import WRITER, BenchServer, serve
@@ -144,7 +145,8 @@ def main(arguments: list[str] | None = None) -> None:
     finally:
         plant = server.device.player.plant
         if options.truth is not None and isinstance(plant, ServedRig):
-            np.save(options.truth, plant.truth)
+            with atomic(options.truth) as partial, partial.open("wb") as file:
+                np.save(file, plant.truth)
 
 
 def _server(options: argparse.Namespace) -> BenchServer:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dea.bench.player import Player
+from dea.errors import InputError
 from dea.modbus import (
     Command,
     Device,
@@ -39,6 +40,25 @@ class Session:
     may_write: bool = True
 
 
+def _encoded(description: Device, name: str, value: float | int | str) -> list[int]:
+    """Return the words of a register that never changes.
+
+    Raises
+    ------
+    InputError
+        Where the register cannot hold its value.
+    """
+    try:
+        return encode(description[name], value)
+    except ValueError as error:
+        raise InputError(
+            str(error),
+            file=description.source,
+            field=f"registers.{name}",
+            remedy="Give it type and count as in config/devices/virtual_bench.yaml.",
+        ) from error
+
+
 class BenchDevice:
     """A Modbus device around a :class:`~dea.bench.player.Player`.
 
@@ -66,7 +86,7 @@ class BenchDevice:
         self.owner = 0
         self.period = 1.0 / description.sampling_rate  # s
         self._due = 0.0
-        self._constants = {n: encode(description[n], v) for n, v in constants.items()}
+        self._constants = {n: _encoded(description, n, v) for n, v in constants.items()}
         self._by_address: dict[int, Register] = {}
         for register in description.registers.values():
             for address in range(register.address, register.end):
