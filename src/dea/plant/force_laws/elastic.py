@@ -39,7 +39,7 @@ def chain_force(c: Array, y: float) -> float:
 
     The inverse Langevin function in Cohen's approximation x (3 - x²)/(1 - x²), less 3x, with
     x = (y - c[2])/c[1] (A. Cohen, Rheol. Acta 30 (1991) 270; E. M. Arruda and M. C. Boyce, J. Mech.
-    Phys. Solids 41 (1993) 389).
+    Phys. Solids 41 (1993) 389). From x = 0.99 on it is constant.
     """
     x = min(max(y - c[2], 0.0) / c[1], 0.99)
     force: float = c[0] * c[1] * (x * (3.0 - x * x) / (1.0 - x * x) / 3.0 - x)

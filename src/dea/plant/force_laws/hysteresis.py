@@ -119,10 +119,11 @@ def carry_bouc_wen(c: Array, m: Array, y: float) -> None:
 
 @njit(cache=True, error_model="numpy")
 def carry_duhem(c: Array, m: Array, y: float) -> None:
-    """Carry Coleman and Hodgdon's force: dF = a |dy| (b (y - y0) - F) + g dy, exactly for a step.
+    """Carry Coleman and Hodgdon's force: dF = a |dy| (b (y - y0) - F) + g dy.
 
     B. D. Coleman and M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897. A loop takes energy where
-    g > b. c: a, b, g, y0; m: force and latest place.
+    g > b. c: a, b, g, y0; m: force and latest place. To first order in a step: what g adds in a
+    step does not relax in it.
     """
     step = y - m[1]
     share = -np.expm1(-c[0] * abs(step))

@@ -13,7 +13,7 @@ from dea.plant.signal_law import SignalLaw
 
 @reporting("Holtz, Proc. IEEE 82 (1994) 1194: a bridge that is modulated by more than its supply")
 def overmodulated_bridge(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Above the knee the mean over a wave whose peaks are cut, 4/π of the knee at most."""
+    """Above the knee the fundamental of a sine whose peaks are cut, 4/π of the knee at most."""
     knee = conditions.high - size * conditions.span
 
     def modulated(u: Array) -> Array:

@@ -19,7 +19,7 @@ def _stopped(
 
 @tuning("Hunt and Crossley, J. Appl. Mech. 42 (1975) 440: Hertz contact with damping")
 def hertz_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Contact stiff enough to take the device force within two hundredths of the travel."""
+    """Contact that takes a tenth to four tenths of the device force at 0.02 of the travel."""
     depth = 0.02 * conditions.travel
     stiffness = rng.uniform(5.0, 20.0) * conditions.stiffness / np.sqrt(depth)
     damping = rng.uniform(0.0, 0.2) / conditions.speed
