@@ -47,3 +47,12 @@ def test_without_a_checksum_words_are_taken_for_intact():
 def test_registers_that_follow_each_other_in_one_table_share_a_window(registers, groups):
     windows = adjoining(Register(*each) for each in registers)
     assert [[r.name for r in window.registers] for window in windows] == groups
+
+
+@pytest.mark.parametrize(
+    ("span", "groups"), [(4, [["a"], ["b", "c"]]), (5, [["a", "b"], ["c"]]), (9, [["a", "b", "c"]])]
+)
+def test_registers_with_gaps_share_a_window_up_to_its_longest_span(span, groups):
+    registers = [Register("a", 1), Register("b", 4, "uint32"), Register("c", 7)]
+    windows = adjoining(registers, span)
+    assert [[r.name for r in window.registers] for window in windows] == groups

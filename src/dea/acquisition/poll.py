@@ -3,7 +3,7 @@
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import read_back_register
 from dea.acquisition.retrying_link import DeviceRefusedError
-from dea.modbus import Register, Window, encode
+from dea.modbus import Window, adjoining, encode
 
 NEIGHBOURS = 32  # registers that one request spans at most
 
@@ -17,7 +17,11 @@ class Poll:
         self.output = device["output"]
         self.echo = read_back_register(device)
         sampled = [device["displacement"], self.echo, device.registers.get("device_index")]
-        self.windows = _windows([each for each in sampled if each])
+        windows = adjoining((each for each in sampled if each), NEIGHBOURS)
+        # The write shares a request with the first.
+        self.windows = sorted(
+            windows, key=lambda each: device["displacement"] not in each.registers
+        )
         self._wrap = 1 << 16 * device["device_index"].size if "device_index" in device else 0
 
     def learn(self) -> None:
@@ -60,17 +64,3 @@ class Poll:
             index = self._next + (index - self._next + half) % self._wrap - half
         self._next = index + 1
         return index, applied, values["displacement"]
-
-
-def _windows(registers: list[Register]) -> list[Window]:
-    """Group neighbouring registers of a table, the group of ``displacement`` first."""
-    groups: list[list[Register]] = []
-    for register in sorted(registers, key=lambda r: (r.table, r.address)):
-        last = groups[-1] if groups else None
-        near = last and last[-1].table == register.table
-        if last and near and register.end - last[0].address <= NEIGHBOURS:
-            last.append(register)
-        else:
-            groups.append([register])
-    groups.sort(key=lambda group: all(r.name != "displacement" for r in group))
-    return [Window(group) for group in groups]

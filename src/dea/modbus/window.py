@@ -53,13 +53,18 @@ class Window:
         return slice(register.address - self.address, register.end - self.address)
 
 
-def adjoining(registers: Iterable[Register]) -> list[Window]:
-    """Return windows of registers that follow each other without a gap."""
+def adjoining(registers: Iterable[Register], span: int = 0) -> list[Window]:
+    """Return windows of registers of one table that follow each other without a gap.
+
+    With gaps, too, where a window does not get longer than ``span`` registers.
+    """
     groups: list[list[Register]] = []
     for register in sorted(registers, key=lambda r: (r.table, r.address)):
-        last = groups[-1][-1] if groups else None
-        if last and (last.table, last.end) == (register.table, register.address):
-            groups[-1].append(register)
+        group = groups[-1] if groups else [register]
+        follows = group[-1].end == register.address
+        near = follows or register.end - group[0].address <= span
+        if groups and near and group[0].table == register.table:
+            group.append(register)
         else:
             groups.append([register])
     return [Window(group) for group in groups]
