@@ -82,6 +82,11 @@ def acquire(
         has armed it, or it has not been commissioned as its file describes it.
     BrokenRecordError
         Where samples were lost or not driven, and the settings do not restart.
+    TripError
+        Where the safety model does not hold.
+    StoppedError, GuardianLostError
+        Where the guardian was asked to end, or this program or its disk was too far behind; where
+        it was killed or gave no sign of life.
     ControllerError
         Where a controller asks for a voltage that is not allowed, or gives none in time; what it
         raises itself is raised.

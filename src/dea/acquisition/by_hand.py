@@ -21,7 +21,7 @@ from dea.errors import DeviceError, InputError
 from dea.modbus import Device
 from dea.progress import tell
 
-SILENT = 3.0  # s without a sign of life that are worth a word
+SILENT = 3.0  # s without a sign of life that are reported
 LONGER = 3.0  # s that this waits longer for one than the guardian's recorder does
 IN_VAIN = 5  # attempts to end one
 

@@ -197,7 +197,7 @@ def look(path: Path) -> Notice:
         after = path.read_bytes()
     except FileNotFoundError:
         return _NOBODY
-    # Of another guardian that has come meanwhile nothing is told yet.
+    # Read again if the process changed: another guardian has come meanwhile.
     same = _notice(before, alive=alive).process == _notice(after, alive=alive).process
     return _notice(after, alive=alive) if same else look(path)
 

@@ -1,4 +1,4 @@
-"""One user of a device at a time on this computer, whether or not the device keeps its owner."""
+"""One user of a device at a time on this computer, also where it has no register `claim`."""
 
 import os
 from collections.abc import Callable, Iterator

@@ -113,7 +113,7 @@ def _deliver(wire: Wire, seconds: float) -> None:
 
 
 class Guardian:
-    """One job: the laws it keeps are those of :meth:`_check`."""
+    """One job; :meth:`_check` says when it ends a drive for other reasons than the device's."""
 
     def __init__(self, wire: Wire, job: DriveJob, early: list[tuple[Any, ...]]) -> None:
         self.wire, self.job, self.device = wire, job, job.device

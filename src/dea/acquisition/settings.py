@@ -30,7 +30,7 @@ class AcquisitionSettings(LinkSettings):
 
     @property
     def patience(self) -> float:
-        """S without a sign of life of a guardian that are more than one at work needs.
+        """Seconds without a message after which a guardian counts as hung.
 
         It gives one before each request, which may connect first, with TLS too, and pause.
         """

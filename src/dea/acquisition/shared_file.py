@@ -44,7 +44,7 @@ class SharedLock:
     """The lock on a shared file, kept even where the file is removed.
 
     What is in memory may be removed while a process still uses it, as when its user logs out
-    (RemoveIPC of systemd-logind). A lock on a file without a name keeps nobody out.
+    (RemoveIPC of systemd-logind). A lock on a file without a name does not exclude other programs.
     """
 
     def __init__(self, path: Path) -> None:

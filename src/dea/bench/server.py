@@ -161,7 +161,7 @@ class BenchServer:
         if not request.valid:
             return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_VALUE)
         try:
-            # An exception says that nothing has been done.
+            # Before the write: an exception beyond the map says that nothing has been done.
             self.device.refuse_beyond(request.read_address, request.read_count)
             self.device.write(self._session, request.write_address, request.write_registers)
             words = self.device.read(self._session, request.read_address, request.read_count)
