@@ -74,15 +74,13 @@ def drive(
     number, expected, last = 0, None, panel.zero
     try:
         while number < sequence.size:
-            count = sequence.count(number)
-            lateness = schedule.wait(number) if schedule else 0.0
-            if schedule and lateness > schedule.longest_pause:
-                raise _broken(f"held up for {lateness:.1f} s", number, number, count, 1)
-            if schedule and (missed := schedule.missed(number, lateness)):
-                passed = range(number, number + missed)
-                rows.leave_out(number, [sequence.count(each) for each in passed])
-                number, expected = number + missed, number + missed
-                count = sequence.count(number)
+            count, lateness = sequence.count(number), 0.0
+            if schedule:
+                lateness = schedule.wait(number)
+                if missed := _missed(schedule, sequence, number, lateness):
+                    rows.leave_out(number, missed)
+                    number = expected = number + len(missed)
+                    count = sequence.count(number)
             sent = schedule.approach(count) if schedule else count
             flag = Quality.LATE if lateness > late_after or sent != count else Quality.GOOD
             begun = time.monotonic() - panel.link.log.started
@@ -93,11 +91,7 @@ def drive(
                 reason = f"never driven or read ({error})"
                 raise _broken(reason, number, place, count, 1) from error
             if expected is not None and index != expected:
-                more = index - expected
-                if schedule is None or not 0 < more * schedule.period <= schedule.longest_pause:
-                    what = f"the device measured {more} more" if more > 0 else "nothing new"
-                    most = int(schedule.longest_pause / schedule.period) if schedule else 1
-                    raise _broken(what, number, expected, count, min(max(more, 1), most))
+                _refuse_jump(schedule, index - expected, number, expected, count)
                 rows.hold(number - 1, range(expected, index), last)
             ended = time.monotonic() - panel.link.log.started
             if schedule:
@@ -123,6 +117,37 @@ def drive(
         yield from rows.all()
         raise
     yield from rows.all()
+
+
+def _missed(schedule: Schedule, sequence: DrivenCounts, number: int, lateness: float) -> list[int]:
+    """Return the counts from sample ``number`` on that are left out: their time has passed.
+
+    Raises
+    ------
+    BrokenRecordError
+        Where this process was held up for too long.
+    """
+    if lateness > schedule.longest_pause:
+        held = f"held up for {lateness:.1f} s"
+        raise _broken(held, number, number, sequence.count(number), 1)
+    missed = schedule.missed(number, lateness)
+    return [sequence.count(each) for each in range(number, number + missed)]
+
+
+def _refuse_jump(
+    schedule: Schedule | None, more: int, number: int, expected: int, count: int
+) -> None:
+    """Refuse a device's index that is ``more`` than ``expected`` with sample ``number``.
+
+    Raises
+    ------
+    BrokenRecordError
+        Where the device measured nothing, or by itself for longer than a hold-up may last.
+    """
+    most = int(schedule.longest_pause / schedule.period) if schedule else 0
+    if not 0 < more <= most:
+        what = f"the device measured {more} more" if more > 0 else "nothing new"
+        raise _broken(what, number, expected, count, max(1, min(more, most)))
 
 
 def _broken(
