@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.configuration.identification import Validation
 from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_held, samples_to_average
@@ -90,6 +91,14 @@ def test_every_segment_and_window_lies_inside_the_record(size, rate):
         assert last <= duration * (1 + 1e-6)
         assert (last - first) * rate > 2 * sections["validation"]["max_lag"]
     assert 0 < sections["gfrf"]["lowest"] < sections["gfrf"]["highest"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("size", "rate"), [(60_000, 3.0), (30_000, 7.0), (200_000, 60.0), (100_000, 75.0)]
+)
+def test_windows_are_of_one_length_where_their_ends_are_no_short_decimals(size, rate):
+    found = infer_settings(signals(size, rate)).sections["validation"]
+    assert Validation.model_validate(found).windows == found["windows"]
 
 
 def test_windows_with_a_gap_are_passed_over():

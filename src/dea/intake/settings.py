@@ -228,4 +228,4 @@ def _part_of_models(signals: Record, seen: NDArray[np.bool_], in_a_row: int) -> 
 
 
 def _in_seconds(samples: int, rate: float) -> float:
-    return float(f"{samples / rate:.9g}")
+    return float(f"{samples / rate:.15g}")
