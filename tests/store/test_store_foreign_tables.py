@@ -653,6 +653,25 @@ def test_a_workbook_may_hold_numbers_as_text_with_a_comma(tmp_path):
     np.testing.assert_array_equal(columns["u"], [1.5, 2.5, -3.5])
 
 
+@pytest.mark.parametrize(
+    ("texts", "numbers"),
+    [
+        (["5,000", "5,012", "5,031"], None),
+        (["-5,000", "12,345", "100,031"], None),
+        (["5,000", "0,012", "5,031"], [5.0, 0.012, 5.031]),
+        (["5,000", "5,01", "5,031"], [5.0, 5.01, 5.031]),
+    ],
+)
+def test_numbers_of_a_workbook_whose_commas_may_be_marks_of_thousands_are_text(
+    texts, numbers, tmp_path
+):
+    rows = [["t", "u", "y"], *([k / 4, float(k), text] for k, text in enumerate(texts))]
+    pd.DataFrame(rows).to_excel(tmp_path / "mine.xlsx", header=False, index=False)
+    table = read_foreign(tmp_path / "mine.xlsx")
+    assert list(table.columns.get("y", [])) == (numbers or [])
+    assert table.no_numbers == ({} if numbers else {"y": f"text (row 2: {texts[0]!r})"})
+
+
 def test_a_workbook_holds_one_sheet_of_a_record(tmp_path):
     record = [["t (s)", "u (V)"], *([k / 4, float(k)] for k in range(9))]
     sheets = {

@@ -24,6 +24,7 @@ from dea.units import plain_units
 
 _WORKBOOK = ".xlsx"
 _COMMA_NUMBER = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+_MAY_BE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _FEWEST = 3  # rows of a table that may be a record
 
 
@@ -115,6 +116,11 @@ def _is_comma_number(cell: object) -> bool:
     return isinstance(cell, str) and _COMMA_NUMBER.fullmatch(cell.strip()) is not None
 
 
+def _has_decimals(cell: object) -> bool:
+    """Tell whether the comma of a number that is text is certain to be that of its decimals."""
+    return _is_comma_number(cell) and not _MAY_BE_THOUSANDS.fullmatch(str(cell).strip())
+
+
 def _holds_a_table(cells: pd.DataFrame) -> bool:
     """Tell whether enough rows for a record hold two numbers: lone ones are settings."""
     rows = _texts(cells)
@@ -149,7 +155,7 @@ def _of_cells(cells: pd.DataFrame) -> ForeignTable:
     headings, units = headings_and_units(rows[:begin], cells.shape[1])
     frame = cells.iloc[begin:].reset_index(drop=True).infer_objects()
     columns = [frame[name] for name in frame.columns]
-    decimal = "," if any(_is_comma_number(cell) for each in columns for cell in each) else "."
+    decimal = "," if any(_has_decimals(cell) for each in columns for cell in each) else "."
     return from_columns(
         headings, columns, units, decimal=decimal, place=lambda row: f"row {begin + row + 1}"
     )
