@@ -85,7 +85,7 @@ def test_each_of_several_inputs_is_interpolated_for_itself():
 
 @pytest.mark.parametrize("inputs", [1, 2])
 def test_an_interval_of_several_samples_is_missing_where_more_than_half_of_them_are(inputs):
-    """Of the others the output is the mean of what is there, the input that of straight lines."""
+    """Of the others output and input are means of straight lines through what is there."""
     time = 7.0 + 0.001 * np.arange(200)
     u = np.stack([straight(time)[0], 5.0 - 4.0 * time], axis=1)[:, :inputs].squeeze()
     y = np.random.default_rng(4).normal(size=200)
@@ -93,10 +93,20 @@ def test_an_interval_of_several_samples_is_missing_where_more_than_half_of_them_
     kept = np.delete(np.arange(200), [n for at, count in lost.items() for n in at + np.r_[:count]])
     found = resample(time[kept], u[kept], y[kept], 0.01)
     np.testing.assert_array_equal(np.flatnonzero(found.missing), [2, 16])
-    expected = [y[kept[kept // 10 == n]].mean() for n in range(20) if n not in (2, 16)]
-    np.testing.assert_allclose(found.y[~found.missing], expected)
+    expected = np.interp(time, time[kept], y[kept]).reshape(20, 10).mean(axis=1)
+    np.testing.assert_allclose(found.y[~found.missing], expected[~found.missing])
     assert np.isnan(found.y[found.missing]).all()
     np.testing.assert_allclose(found.u, u.reshape(20, 10, *u.shape[1:]).mean(axis=1))
+
+
+@pytest.mark.parametrize("lost", [[4], [3, 4], [0, 1]])
+def test_an_average_stays_at_its_time_where_some_of_its_samples_are_missing(lost):
+    time = 0.02 * np.arange(200)
+    y = time.copy()
+    y[5:195].reshape(-1, 5)[:, lost] = np.nan
+    found = resample(time, time, y, 0.1)
+    assert not found.missing.any()
+    np.testing.assert_allclose(found.y, 0.04 + 0.1 * np.arange(40))
 
 
 @pytest.mark.parametrize("gap", [(1, 4), (20, 31), (96, 99)])

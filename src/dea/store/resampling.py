@@ -186,8 +186,7 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     placed = [_on_grid(time, values, grid, step) for values in (*columns, y)]
     missing = np.any([gap for _, gap in placed], axis=0)
     *u_grid, y_grid = (values for values, _ in placed)
-    y_grid = np.where(missing, np.nan, y_grid)
-    found = _averaged(grid - at[0], np.stack(u_grid, axis=1), y_grid, several)
+    found = _averaged(grid - at[0], np.stack(u_grid, axis=1), y_grid, missing, several)
     return found._replace(u=found.u.reshape(-1, *u.shape[1:]))
 
 
@@ -205,16 +204,16 @@ def _on_grid(
     return np.interp(grid, at, values[known]), missing
 
 
-def _averaged(time: Array, u: Array, y: Array, several: int) -> Uniform:
-    """Return means of ``several`` samples; one is missing where more than half of its own are."""
-    parts = y.reshape(-1, several)
-    there = np.isfinite(parts)
-    missing = np.count_nonzero(there, axis=1) * 2 < several
-    total = np.where(there, parts, 0.0).sum(axis=1)
-    mean = np.where(missing, np.nan, total / np.maximum(there.sum(axis=1), 1))
+def _averaged(time: Array, u: Array, y: Array, missing: NDArray[np.bool_], several: int) -> Uniform:
+    """Return means of ``several`` samples; one is missing where more than half of its own are.
+
+    Interpolated ones count where fewer are missing: the mean of those that are there would belong
+    to another time than that of the inputs.
+    """
+    lost = np.count_nonzero(missing.reshape(-1, several), axis=1) * 2 > several
     return Uniform(
         time.reshape(-1, several)[:, 0],
         u.reshape(-1, several, u.shape[1]).mean(axis=1),
-        mean,
-        missing,
+        np.where(lost, np.nan, y.reshape(-1, several).mean(axis=1)),
+        lost,
     )
