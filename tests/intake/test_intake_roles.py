@@ -235,7 +235,17 @@ def test_units_of_time_may_be_answered_in_any_spelling(said):
     assert found.time == ("when", "ms")
 
 
-@pytest.mark.parametrize(("constants", "interval"), [({"Ts": 4.0}, 4.0), ({"fs": 50.0}, 0.02)])
+@pytest.mark.parametrize(
+    ("constants", "interval"),
+    [
+        ({"Ts": 4.0}, 4.0),
+        ({"fs": 50.0}, 0.02),
+        ({"rate": 50.0}, 0.02),
+        ({"Sampling rate": 50.0}, 0.02),
+        ({"d.sample_rate": 50.0}, 0.02),
+        ({"slew_rate": 20.0, "fs": 50.0}, 0.02),
+    ],
+)
 def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
     assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval
 
@@ -268,6 +278,12 @@ def test_an_interval_in_unknown_units_is_asked_for():
     ],
 )
 def test_a_wrong_answer_is_refused(answers, message):
+@pytest.mark.parametrize("name", ["slew_rate", "flow rate", "d.flow.rate", "rate_limit"])
+def test_the_rate_of_something_else_is_not_that_of_the_samples(name):
+    with pytest.raises(UnansweredError, match="how many samples"):
+        roles({"u": "V", "y": "mm"}, constants={name: 20.0})
+
+
     with pytest.raises(InputError, match=message):
         roles({"t": "s", "u": "V", "y": "mm"}, answers)
 
