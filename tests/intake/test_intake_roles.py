@@ -182,10 +182,32 @@ def test_of_likely_times_the_one_in_a_unit_of_time_is_taken(columns, time):
     assert roles(columns, Answers(input="u", output="y")).time == time
 
 
+        ({"t": None, "u": "V", "y": "mm", "charge_time": None}, ("t", "s")),
+        ({"charge_time": None, "u": "V", "y": "mm", "Time": None}, ("Time", "s")),
+        ({"date": None, "time": None, "u": "V", "y": "mm"}, ("time", "s")),
+        ({"u": "V", "y": "mm", "date time": None, "time lag": None}, ("date time", "s")),
 def timed(values, answers=NOTHING, name="t"):
     columns = {name: np.asarray(values, float), "u": np.arange(5.0), "y": np.arange(5.0)}
     table = ForeignTable(columns, {"u": "V", "y": "mm"})
     return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
+
+
+@pytest.mark.parametrize("passed_over", [[3.0] * 5, [3.0, 1.0, 2.0, 5.0, 0.0]])
+def test_of_columns_that_may_be_a_time_one_that_ascends_is_taken(passed_over):
+    columns = dict.fromkeys(["u", "y", "charge time", "measurement time"], np.arange(5.0))
+    columns["charge time"] = np.array(passed_over)
+    found = find_roles(
+        ForeignTable(columns, {"u": "V", "y": "mm"}), NOTHING, FILE, "case", {"FILE": "mine.csv"}
+    )
+    assert found.time == ("measurement time", "s")
+
+
+def test_a_time_that_falls_back_is_refused_though_another_column_ascends():
+    columns = dict.fromkeys(["u", "y", "t", "charge_time"], np.arange(5.0))
+    columns["t"] = np.array([0.0, 1.0, 2.0, 0.0, 1.0])
+    table = ForeignTable(columns, {"u": "V", "y": "mm"})
+    with pytest.raises(InputError, match="column 't': it falls back"):
+        find_roles(table, NOTHING, FILE, "case", {})
 
 
 STEPS = np.arange(5.0)
