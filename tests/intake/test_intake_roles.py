@@ -75,6 +75,12 @@ def test_of_several_inputs_or_outputs_none_is_dropped_without_a_word(columns, ro
         assert (found.inputs[0] if role == "input" else found.output)[0] == name
 
 
+@pytest.mark.parametrize("measured", ["drive_temp", "drive temperature 1", "bearing_drive"])
+def test_what_is_measured_at_a_drive_is_not_the_input(measured):
+    with pytest.raises(UnansweredError, match="which column is the input"):
+        roles({"time": "s", measured: "degC", "torque": "Nm", "y": "rpm"})
+
+
 def test_a_candidate_that_the_user_gives_another_role_is_none():
     found = roles({"t": "s", "u1": "V", "u2": "mm"}, Answers(output="u2"))
     assert (found.inputs, found.output) == ((("u1", "V"),), ("u2", "mm"))
@@ -176,20 +182,14 @@ def test_a_temperature_that_ascends_is_no_time(warm):
         ({"timestamp": None, "u": "V", "y": "mm", "time": "ms"}, ("time", "ms")),
         ({"timestamp": None, "u": "V", "y": "mm", "time_us": None}, ("time_us", "us")),
         ({"lag": "ms", "u": "V", "y": "mm", "time": None}, ("time", "s")),
-    ],
-)
-def test_of_likely_times_the_one_in_a_unit_of_time_is_taken(columns, time):
-    assert roles(columns, Answers(input="u", output="y")).time == time
-
-
         ({"t": None, "u": "V", "y": "mm", "charge_time": None}, ("t", "s")),
         ({"charge_time": None, "u": "V", "y": "mm", "Time": None}, ("Time", "s")),
         ({"date": None, "time": None, "u": "V", "y": "mm"}, ("time", "s")),
         ({"u": "V", "y": "mm", "date time": None, "time lag": None}, ("date time", "s")),
-def timed(values, answers=NOTHING, name="t"):
-    columns = {name: np.asarray(values, float), "u": np.arange(5.0), "y": np.arange(5.0)}
-    table = ForeignTable(columns, {"u": "V", "y": "mm"})
-    return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
+    ],
+)
+def test_of_likely_times_the_one_in_a_unit_of_time_is_taken(columns, time):
+    assert roles(columns, Answers(input="u", output="y")).time == time
 
 
 @pytest.mark.parametrize("passed_over", [[3.0] * 5, [3.0, 1.0, 2.0, 5.0, 0.0]])
@@ -208,6 +208,12 @@ def test_a_time_that_falls_back_is_refused_though_another_column_ascends():
     table = ForeignTable(columns, {"u": "V", "y": "mm"})
     with pytest.raises(InputError, match="column 't': it falls back"):
         find_roles(table, NOTHING, FILE, "case", {})
+
+
+def timed(values, answers=NOTHING, name="t"):
+    columns = {name: np.asarray(values, float), "u": np.arange(5.0), "y": np.arange(5.0)}
+    table = ForeignTable(columns, {"u": "V", "y": "mm"})
+    return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
 
 
 STEPS = np.arange(5.0)
@@ -272,6 +278,12 @@ def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
     assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval
 
 
+@pytest.mark.parametrize("name", ["slew_rate", "flow rate", "d.flow.rate", "rate_limit"])
+def test_the_rate_of_something_else_is_not_that_of_the_samples(name):
+    with pytest.raises(UnansweredError, match="how many samples"):
+        roles({"u": "V", "y": "mm"}, constants={name: 20.0})
+
+
 @pytest.mark.parametrize(
     ("units", "constants", "interval"),
     [
@@ -300,12 +312,6 @@ def test_an_interval_in_unknown_units_is_asked_for():
     ],
 )
 def test_a_wrong_answer_is_refused(answers, message):
-@pytest.mark.parametrize("name", ["slew_rate", "flow rate", "d.flow.rate", "rate_limit"])
-def test_the_rate_of_something_else_is_not_that_of_the_samples(name):
-    with pytest.raises(UnansweredError, match="how many samples"):
-        roles({"u": "V", "y": "mm"}, constants={name: 20.0})
-
-
     with pytest.raises(InputError, match=message):
         roles({"t": "s", "u": "V", "y": "mm"}, answers)
 

@@ -16,6 +16,8 @@ from dea.units import SECONDS, plain_units
 # Whole words of a name, numbered or not. Names that could be either (voltage, position) are asked
 # about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest"}
+# Words that make a column the input only where all words of its name do: drive_temp is measured.
+_BESIDE = {"drive"}
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest"}
 
 
@@ -252,7 +254,7 @@ def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[Column
     Words may be numbered, as those of several inputs are. One that holds no numbers counts, and is
     none.
     """
-    matching = named(words)
+    matching, certain = named(words), named(words - _BESIDE)
     numbered = re.compile(r"\d+(?![^\W_])")  # at the end of a word
 
     def matches(name: str) -> bool:
@@ -260,4 +262,6 @@ def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[Column
 
     found = list(filter(matches, [*free, *table.no_numbers]))
     sure = len(found) == 1 and found[0] in free
+    if sure and not certain(found[0]):
+        sure = words.issuperset(re.findall(r"[a-z]+", found[0].lower()))
     return [(found[0], table.units.get(found[0]))] if sure else []
