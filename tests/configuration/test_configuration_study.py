@@ -7,7 +7,9 @@ import yaml
 
 from changed_content import REMOVED, changed
 from dea.configuration.case import SECTIONS, check_case, read_cases, simulation_of
+from dea.configuration.lags import largest_lag
 from dea.configuration.named_files import check_actuators
+from dea.configuration.rates import check_rate
 from dea.configuration.study import check_names, check_study, settings
 from dea.errors import InputError
 
@@ -21,6 +23,14 @@ STAIRS = {"kind": "staircase", "duration": 1800, "low": 1.1, "high": 3.75}
 
 def test_the_settings_of_jobs_are_those_that_were_written():
     assert settings(check_study(STUDY)) == STUDY
+
+
+def test_a_model_may_be_without_lags_of_its_output():
+    study = check_study(changed(STUDY, ["identification", "y_lags"], []))
+    assert study.identification.y_lags == []
+    check_rate(study, 50.0, "dea1")
+    assert largest_lag([], [0, 3]) == 3
+    assert largest_lag([]) == 0
 
 
 def test_a_null_is_a_key_that_is_not_given():
