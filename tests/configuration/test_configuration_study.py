@@ -33,6 +33,22 @@ def test_a_model_may_be_without_lags_of_its_output():
     assert largest_lag([]) == 0
 
 
+@pytest.mark.parametrize(
+    ("section", "own"),
+    [
+        ("identification", {"start": 500.1, "length": 100.2}),
+        ("orders", {"start": 1700.4, "length": 99.9}),
+        ("forecast", {"start": 1700.4, "horizons": [99.9]}),
+    ],
+)
+def test_a_segment_may_end_where_rounding_alone_puts_it_beyond(section, own):
+    """In floating point 500.1 + 100.2 lies beyond 600.3, and 1700.4 + 99.9 beyond 1800.3."""
+    whole = changed(STUDY, ["excitation", "record", "duration"], 1800.3)
+    orders = {"start": 600.3} if section == "identification" else {}
+    content = whole | {"orders": whole["orders"] | orders}
+    check_study(content | {section: content[section] | own})
+
+
 def test_a_null_is_a_key_that_is_not_given():
     trackers = STUDY["tracking"]["trackers"]
     without = check_study(changed(STUDY, ["tracking", "trackers", "rls"], None))

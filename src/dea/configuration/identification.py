@@ -18,7 +18,7 @@ from dea.configuration.section import (
     refuse,
 )
 
-# Lengths of two windows that differ by less, in s, do so by the rounding of their ends alone.
+# Times and lengths that differ by less, in s, do so by the rounding of what they are made of alone.
 ROUNDING = 1e-6
 OutputLags = Count | Annotated[list[Count], Different]
 LagList = Annotated[list[WholeNotNegative], Field(min_length=1), Different]

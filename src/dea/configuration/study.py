@@ -12,7 +12,13 @@ from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
 from dea.configuration.gfrf import Gfrf
-from dea.configuration.identification import Forecast, Identification, Orders, Validation
+from dea.configuration.identification import (
+    ROUNDING,
+    Forecast,
+    Identification,
+    Orders,
+    Validation,
+)
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
 from dea.configuration.resolution import Resolution
@@ -79,7 +85,7 @@ class Study(Section):
         segment = self.identification.start + self.identification.length
         # Independent data begin after the segment unless it is said where.
         independent = segment if self.orders.start is None else self.orders.start
-        if independent < segment:
+        if independent < segment - ROUNDING:
             raise refuse(
                 "orders.start",
                 f"{independent:g} s lies before the end of the segment that models are identified"
@@ -90,7 +96,7 @@ class Study(Section):
             ("identification", segment),
             ("orders", independent + self.orders.length),
         ):
-            if end > duration:
+            if end > duration + ROUNDING:
                 raise refuse(
                     f"{section}.length",
                     f"the segment ends at {end:g} s, after the record of {duration:g} s"
@@ -105,7 +111,7 @@ class Study(Section):
             self.forecast.start + self.forecast.horizons[-1],
             (self.excitation.record.duration),
         )
-        if end > duration:
+        if end > duration + ROUNDING:
             raise refuse(
                 "forecast.start",
                 f"the first forecast ends at {end:g} s, after the record of {duration:g} s"
@@ -121,7 +127,7 @@ class Study(Section):
             return self
         ends = [*sorted(probing.times)[1:], duration]
         for begin, end in zip(sorted(probing.times), ends, strict=True):
-            if begin + probing.duration > end:
+            if begin + probing.duration > end + ROUNDING:
                 raise refuse(
                     "excitation.probing.times",
                     f"the stretch from {begin:g} s on, {probing.duration:g} s long, does not end"
