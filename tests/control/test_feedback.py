@@ -223,7 +223,7 @@ def test_the_inverse_of_the_tracked_model_follows_better_than_feedback_alone(ide
         before[0] = measured
         if t < 10:
             return 2.4
-        ahead = reference[min(t + horizon, reference.size - 1)]
+        ahead = reference[min(t + horizon - 1, reference.size - 1)]
         return inverse_input(tracker.predict, ahead, horizon, LOWEST, HIGHEST, near=u[-1])
 
     before = [0.0]
@@ -300,6 +300,23 @@ def test_limits_that_contradict_are_refused(options):
     given = {"lowest": LOWEST, "highest": HIGHEST, "rate": SPEED, "start": 2.4} | options
     with pytest.raises(InputError, match="start"):
         Follower(Gains(1.0, 1.0, RATE), **given)
+
+
+@pytest.mark.parametrize("horizon", [2, 3, 8])
+def test_the_reference_of_the_inverse_is_that_of_the_last_sample_predicted(horizon):
+    """The tracker knows the samples before t; u(t) is held for the samples of the horizon."""
+    u = 2.4 + 0.5 * np.random.default_rng(3).uniform(-1, 1, 400).repeat(5)[:400]
+    y = PLANT.simulate(u)
+    tracker = OnlineTracker.of_record(PLANT, u, y, leakage=1e3)
+    for each in zip(u, y, strict=True):
+        tracker.update(*each)
+    reference = np.linspace(reachable(2.3), reachable(2.5), 450)
+    t = u.size
+    wanted = reference[t + horizon - 1]
+    held = inverse_input(tracker.predict, wanted, horizon, LOWEST, HIGHEST, near=u[-1])
+    reached = PLANT.simulate(np.concatenate([u, np.full(horizon, held)]))
+    assert LOWEST < held < HIGHEST
+    assert reached[t + horizon - 1] == pytest.approx(wanted, abs=1e-6)
 
 
 def test_the_inverse_is_exact_or_the_nearer_limit():

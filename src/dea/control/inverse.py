@@ -30,7 +30,9 @@ def inverse_input(
     predict
         Outputs of the next samples from their inputs: :meth:`dea.OnlineTracker.predict`.
     reference
-        Output wanted ``horizon`` samples from now.
+        Output wanted at the last of the ``horizon`` samples that are predicted. The first is the
+        one after the last that a tracker was updated with: one that knows the samples before t is
+        asked for the reference of t + horizon - 1.
     lowest, highest
         Limits of the input.
     near
