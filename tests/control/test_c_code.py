@@ -111,6 +111,16 @@ def test_every_kind_of_term_is_written(terms, tmp_path):
 
 
 @needs_compiler
+@pytest.mark.parametrize("missing", [np.nan, np.inf, -np.inf, 1e300])
+def test_the_prediction_stands_in_for_a_measurement_that_is_missing(missing, tmp_path):
+    model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.25})
+    u = np.array([1.0, -2.0, 3.0, 4.0, 0.5, 0.0])
+    found = compiled(model, tmp_path)(u, [0.1, missing, 0.3, missing, missing])
+    predicted = 0.5 * (0.5 * 0.3 + 0.25 * 3.0) + 0.25 * 4.0
+    assert found[5] == pytest.approx(0.5 * predicted + 0.25 * 0.5, rel=1e-14)
+
+
+@needs_compiler
 def test_a_diverging_run_is_infinite_from_the_same_sample_on(tmp_path):
     model = NarxModel.from_terms({"y(t-1)": 1.5, "y(t-1)^3": 0.5, "u(t-1)": 1.0})
     u = np.ones(60)

@@ -27,13 +27,17 @@ typedef struct {{
 /* Rest at the operating point: all past inputs and outputs are their offsets. Call it first. */
 void {name}_reset({name}_state *state);
 
-/* y(t) from the past and the input u(t); the state stays. Infinite once the model has diverged. */
+/* y(t) from the past and the input u(t); the state stays. Infinite once the model has diverged, and
+ * where an input is not a finite number. */
 double {name}_output(const {name}_state *state, double input);
 
-/* One sample of the free run: returns y(t), which becomes the past of the next sample. */
+/* One sample of the free run: returns y(t), which becomes the past of the next sample. An input
+ * that is not a finite number is divergence. */
 double {name}_step({name}_state *state, double input);
 
-/* One measured sample: it becomes the past of the next. A model that diverged needs a reset. */
+/* One measured sample: it becomes the past of the next. In place of an output that is missing (not
+ * a number), infinite or beyond the range of the model, its prediction does. The input must be a
+ * finite number. A model that diverged needs a reset. */
 void {name}_observe({name}_state *state, double input, double output);
 
 #endif
@@ -129,6 +133,11 @@ double {name}_step({name}_state *state, double input)
 
 void {name}_observe({name}_state *state, double input, double output)
 {{
-    keep(state, (input - U_OFFSET) / U_SCALE, (output - Y_OFFSET) / Y_SCALE);
+    double y0 = (output - Y_OFFSET) / Y_SCALE;
+
+    if (!in_range(y0)) {{
+        y0 = equation(state, input);
+    }}
+    keep(state, (input - U_OFFSET) / U_SCALE, y0);
 }}
 """
