@@ -184,6 +184,7 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     assert back["inside"].values.all()
     np.testing.assert_array_equal(back["in_band"], back["frequency"] <= 1.0)
     np.testing.assert_allclose(back["model_gain_high"][0], 1.01 * np.abs(H1))
+    np.testing.assert_allclose(back["model_gain_low"][0], np.abs(H1) / 1.01)
     judged = back["even_in_band"].values > 0.9
     assert np.mean(back["even_inside"].values[judged]) > 0.9
 

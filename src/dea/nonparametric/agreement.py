@@ -15,9 +15,13 @@ _BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
 
 
 class RelativeBand(NamedTuple):
-    """Half-widths of the 95 % band of a modelled response, of its shape."""
+    """Half-widths of the 95 % band of a modelled response, of its shape.
 
-    gain: Array  # relative to the gain
+    The band of the gain is even in its logarithm: it goes from gain/(1 + half-width) to gain times
+    (1 + half-width).
+    """
+
+    gain: Array  # the upper one, relative to the gain
     phase: Array  # rad
 
     @classmethod

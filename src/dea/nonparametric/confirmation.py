@@ -84,13 +84,13 @@ def confirmation(
 def _of_models(modelled: list[Modelled], units: str) -> Variables:
     H1 = np.stack([model.H1 for model in modelled])
     gain, phase = np.abs(H1), np.degrees(np.angle(H1))
-    gain_band = gain * np.stack([model.band.gain for model in modelled])
+    factor = 1.0 + np.stack([model.band.gain for model in modelled])
     phase_band = np.degrees(np.stack([model.band.phase for model in modelled]))
     low, high = "lower end of its 95 % band", "upper end of its 95 % band"
     return {
         "model": ((*_LINES, "part"), complex_parts(H1), units, "first-order response of the model"),
-        "model_gain_low": (_LINES, gain - gain_band, units, low),
-        "model_gain_high": (_LINES, gain + gain_band, units, high),
+        "model_gain_low": (_LINES, gain / factor, units, low),
+        "model_gain_high": (_LINES, gain * factor, units, high),
         "model_phase_low": (_LINES, phase - phase_band, "degree", low),
         "model_phase_high": (_LINES, phase + phase_band, "degree", high),
     }
