@@ -77,6 +77,8 @@ def test_a_case_overrides_sections_key_by_key(file):
          "unknown key 'acquisition'. It goes beside `actuators`, not into it"),
         (["control", "reference", "frequency"], 0.02, "control.reference.frequency",
          "noise up to 0.04 Hz has no period in the 20 s of a turn"),
+        (["control", "reference", "rise"], 3, "control.reference.rise", "longer than hold, 2 s"),
+        (["control", "reference", "hold"], 30, "control.reference.hold", "longer than turn, 20 s"),
         (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
         (["identification", "y_lags"], [1, 1], "identification.y_lags", "names one value twice"),
         (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),

@@ -33,8 +33,14 @@ class Reference(Section):
     def _possible(self) -> Self:
         if not self.shares[0] < self.shares[1]:
             raise refuse("shares", f"they are {self.shares}", "Give the smaller one first.")
-        if not self.rise <= self.hold <= self.turn:
-            raise refuse("rise", "it is not within hold, or hold not within turn", "Shorten it.")
+        for name, longest in (("rise", "hold"), ("hold", "turn")):
+            time, limit = getattr(self, name), getattr(self, longest)
+            if time > limit:
+                raise refuse(
+                    name,
+                    f"{time:g} s is longer than {longest}, {limit:g} s",
+                    f"Shorten it, or lengthen {longest}.",
+                )
         if 2.0 * self.frequency * self.turn < 1.0:
             raise refuse(
                 "frequency",
