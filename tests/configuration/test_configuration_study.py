@@ -118,6 +118,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["validation", "before"], 101, "validation.windows[0]", "begins at 100 s"),
         (["validation", "windows", 1], [900], "validation.windows[1]", "[low, high]"),
         (["validation", "windows", 1], [930, 900], "validation.windows[1]", "cross"),
+        (["validation", "windows", 1], [900, 900], "validation.windows[1]", "both ends are 900"),
         (["validation", "windows", 2], [1771, 1801], "validation.windows[2]", "outside the record"),
         (["figures", "zoom"], [1790, 1820], "figures.zoom", "outside the record of 1800 s"),
         (["recovery", "band"], 25, "recovery.band", "half of 50 Hz"),
@@ -347,8 +348,8 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
         (["validation", "before"], 0.18, "validation.before", "hold 9 samples"),
         (["forecast", "window"], 0.18, "forecast.window", "hold 9 samples"),
         (["validation", "max_lag"], 750, "validation.max_lag", "holds 1500 at the 50 Hz of"),
-        (["control", "hold"], 0.02, "control.hold", "it takes 2, and 0.02 s hold 1 at the 50 Hz"),
-        (["control", "approach"], 0.005, "control.approach", "it takes 1, and 0.005 s hold 0"),
+        (["control", "hold"], 0.02, "control.hold", "0.02 s hold 1 samples at the 50 Hz"),
+        (["control", "approach"], 0.005, "control.approach", "it takes at least 1"),
         (["control", "reference", "rise"], 0.005, "control.reference.rise", "0.005 s hold 0"),
     ],
 )

@@ -40,7 +40,8 @@ def check_rate(study: Study, rate: float, device: str | Path) -> None:
         samples = round(length * rate)
         if samples < least:
             raise InputError(
-                f"it takes {least}, and {length:g} s hold {samples} at the {rate:g} Hz of {device}",
+                f"{length:g} s hold {samples} samples at the {rate:g} Hz of {device}, and it takes"
+                f" at least {least}",
                 file=FILE,
                 field=field,
                 remedy="Lengthen it.",

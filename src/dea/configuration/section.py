@@ -83,7 +83,8 @@ def _truth_from_text(value: Any) -> Any:
 def _ascending(interval: list[float]) -> list[float]:
     if not interval[0] < interval[1]:
         low, high = interval
-        raise refuse("", f"{low:g} and {high:g} cross", "Give the lower one first: [low, high].")
+        wrong = f"both ends are {low:g}" if low == high else f"{low:g} and {high:g} cross"
+        raise refuse("", wrong, "Give the lower one first: [low, high].")
     return interval
 
 
