@@ -359,6 +359,13 @@ def test_what_the_rate_of_a_device_does_not_allow_is_refused(
     monkeypatch.chdir(CONFIG.parent)
     served = [f"dea{i}" for i in range(1, 7)]
     with pytest.raises(InputError, match=words) as caught:
+        (["control", "reference", "frequency"], 25.0, "control.reference.frequency", "25 Hz is"),
+        (
+            ["excitation", "probing", "lowest"],
+            0.07,
+            "excitation.probing.lowest",
+            "its period holds 714.286 samples at the 50 Hz",
+        ),
         check_actuators(check_study(changed(STUDY, place, value)), served, "bench.yaml")
     assert caught.value.field == field
     assert caught.value.file == "config/config.yaml"
@@ -378,6 +385,7 @@ def test_a_heartbeat_that_the_mode_of_the_study_does_not_keep_is_refused(tmp_pat
     for place, value in SLOW:
         slow = changed(slow, place, value)
     study = check_study(slow)
+    (["control", "reference", "frequency"], 0.2),
     device = tmp_path / study.actuators[0].device
     device.parent.mkdir(parents=True)
     text = (CONFIG / "devices" / device.name).read_text()

@@ -8,6 +8,7 @@ from dea.configuration.study import FILE, Study
 from dea.errors import InputError
 
 _PER_LAG = 3  # samples of a stretch for each lag, as in dea.missing.stretches
+_WHOLE = 1e-6  # share by which the period of a multisine may differ, as in dea.probing
 
 
 def check_rate(study: Study, rate: float, device: str | Path) -> None:
@@ -25,6 +26,16 @@ def check_rate(study: Study, rate: float, device: str | Path) -> None:
                 file=FILE,
                 field=field,
                 remedy="Lower it, or sample faster.",
+            )
+    if (probing := study.excitation.probing) is not None:
+        period = rate / probing.lowest
+        if abs(period - round(period)) > _WHOLE * period:
+            raise InputError(
+                f"its period holds {period:g} samples at the {rate:g} Hz of {device}, not a whole"
+                " number",
+                file=FILE,
+                field="excitation.probing.lowest",
+                remedy=f"Take {rate / round(period):.6g} Hz, or another rate over a whole number.",
             )
     for field, length, lag in _stretches(study):
         samples = round(length * rate)
@@ -65,6 +76,7 @@ def _frequencies(study: Study) -> Iterator[tuple[str, float]]:
             yield f"excitation.{name}.band", band
     if study.excitation.probing is not None:
         yield "excitation.probing.highest", study.excitation.probing.highest
+    yield "control.reference.frequency", study.control.reference.frequency
 
 
 def _drives(study: Study) -> Iterator[tuple[str, float, int]]:
