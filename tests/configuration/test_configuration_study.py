@@ -18,6 +18,7 @@ STUDY = yaml.safe_load((CONFIG / "config.yaml").read_text())
 CASES = {path: yaml.safe_load(path.read_text()) for path in sorted(CONFIG.glob("cases/*.yaml"))}
 
 
+NOISE = {"duration": 1.5, "low": 1.1, "high": 3.75, "band": 0.5}
 STAIRS = {"kind": "staircase", "duration": 1800, "low": 1.1, "high": 3.75}
 
 
@@ -79,6 +80,13 @@ def test_a_case_overrides_sections_key_by_key(file):
          "noise up to 0.04 Hz has no period in the 20 s of a turn"),
         (["control", "reference", "rise"], 3, "control.reference.rise", "longer than hold, 2 s"),
         (["control", "reference", "hold"], 30, "control.reference.hold", "longer than turn, 20 s"),
+        (["excitation", "probing", "settle"], 0.5, "excitation.probing.settle", "at least 1 s"),
+        (["excitation", "record"], NOISE | {"kind": "gaussian"}, "excitation.record.band",
+         "0.5 Hz has no period in the 1.5 s"),
+        (["excitation", "record"], NOISE | {"kind": "bursts"}, "excitation.record.band",
+         "no period"),
+        (["excitation", "record"], NOISE | {"kind": "binary"}, "excitation.record.band",
+         "no period"),
         (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
         (["identification", "y_lags"], [1, 1], "identification.y_lags", "names one value twice"),
         (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),
@@ -351,6 +359,13 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
         (["control", "hold"], 0.02, "control.hold", "0.02 s hold 1 samples at the 50 Hz"),
         (["control", "approach"], 0.005, "control.approach", "it takes at least 1"),
         (["control", "reference", "rise"], 0.005, "control.reference.rise", "0.005 s hold 0"),
+        (["control", "reference", "frequency"], 25.0, "control.reference.frequency", "25 Hz is"),
+        (
+            ["excitation", "probing", "lowest"],
+            0.07,
+            "excitation.probing.lowest",
+            "its period holds 714.286 samples at the 50 Hz",
+        ),
     ],
 )
 def test_what_the_rate_of_a_device_does_not_allow_is_refused(
@@ -359,13 +374,6 @@ def test_what_the_rate_of_a_device_does_not_allow_is_refused(
     monkeypatch.chdir(CONFIG.parent)
     served = [f"dea{i}" for i in range(1, 7)]
     with pytest.raises(InputError, match=words) as caught:
-        (["control", "reference", "frequency"], 25.0, "control.reference.frequency", "25 Hz is"),
-        (
-            ["excitation", "probing", "lowest"],
-            0.07,
-            "excitation.probing.lowest",
-            "its period holds 714.286 samples at the 50 Hz",
-        ),
         check_actuators(check_study(changed(STUDY, place, value)), served, "bench.yaml")
     assert caught.value.field == field
     assert caught.value.file == "config/config.yaml"
@@ -377,6 +385,7 @@ SLOW = [
     (["excitation", "record", "band"], 0.2),
     (["excitation", "second", "band"], 0.2),
     (["validation", "max_lag"], 10),
+    (["control", "reference", "frequency"], 0.2),
 ]
 
 
@@ -385,7 +394,6 @@ def test_a_heartbeat_that_the_mode_of_the_study_does_not_keep_is_refused(tmp_pat
     for place, value in SLOW:
         slow = changed(slow, place, value)
     study = check_study(slow)
-    (["control", "reference", "frequency"], 0.2),
     device = tmp_path / study.actuators[0].device
     device.parent.mkdir(parents=True)
     text = (CONFIG / "devices" / device.name).read_text()

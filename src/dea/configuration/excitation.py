@@ -38,6 +38,17 @@ class Sequence(Section):
             )
         return self
 
+    @model_validator(mode="after")
+    def _holds_a_period(self) -> Self:
+        band = getattr(self, "band", None)
+        if band is not None and band * self.duration < 1.0:
+            raise refuse(
+                "band",
+                f"{band:g} Hz has no period in the {self.duration:g} s of the record",
+                "Raise it, or record longer.",
+            )
+        return self
+
 
 class Gaussian(Sequence):
     """Gaussian noise with a flat spectrum up to ``band``."""
@@ -143,7 +154,7 @@ class Probing(Section):
     band: Positive = key("frequency above which lines have a third of the amplitude", unit="Hz")
     realisations: Whole = key("multisines of other phases in a stretch", ge=2)
     periods: Whole = key("whole periods of each", ge=2)
-    settle: NotNegative = key("time that each plays before its whole periods", unit="s")
+    settle: Number = key("time that each plays before its whole periods", unit="s", ge=PASSAGE)
 
     @property
     def duration(self) -> float:
