@@ -254,6 +254,15 @@ def test_designed_records_may_be_handed_in():
     )
 
 
+@pytest.mark.parametrize(("column", "role"), [("u", "input"), ("y", "output")])
+def test_the_time_of_a_record_is_neither_input_nor_output(column, role):
+    time = {"column": column, "units": "s"}
+    record = {k: v for k, v in MINE["record"].items() if k != "sampling_interval"} | {"time": time}
+    with pytest.raises(InputError, match=f"column '{column}' is {role} and the time") as caught:
+        check_case(MINE | {"record": record}, check_study(STUDY), "mine.yaml")
+    assert caught.value.field == "record.time"
+
+
 def test_a_record_whose_time_has_other_units_is_refused():
     time = {"column": "t", "units": "V"}
     record = {k: v for k, v in MINE["record"].items() if k != "sampling_interval"} | {"time": time}

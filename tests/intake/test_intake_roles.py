@@ -316,6 +316,15 @@ def test_a_wrong_answer_is_refused(answers, message):
         roles({"t": "s", "u": "V", "y": "mm"}, answers)
 
 
+@pytest.mark.parametrize("role", ["input", "output"])
+def test_the_time_is_neither_input_nor_output(role):
+    columns = {"t": "s", "u": "V", "y": "mm"}
+    with pytest.raises(InputError, match=f"'t' is {role} and the time. Name two columns"):
+        roles(columns, Answers(**{role: "t:s"}))
+    found = roles(columns, Answers(**{role: "t:s"}, rate=50.0))
+    assert (found.inputs[0] if role == "input" else found.output) == ("t", "s")
+
+
 def test_several_inputs_are_named_with_commas():
     units = {"time": "s", "heater, left": None, "heater": "%", "fan": "V", "temperature": "degC"}
     found = roles(units, Answers("heater:%, fan", "temperature"))

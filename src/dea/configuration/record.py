@@ -86,6 +86,14 @@ class RecordColumns(Section):
                 f"{count} of time and sampling_interval given",
                 "Give the time column, or the sampling_interval in s.",
             )
+        driving = [column.column for column in self.driving]
+        if self.time is not None and self.time.column in (*driving, self.output.column):
+            role = "input" if self.time.column in driving else "output"
+            raise refuse(
+                "time",
+                f"column {self.time.column!r} is {role} and the time",
+                "Name two columns, or give a sampling_interval in place of the time.",
+            )
         return self
 
 

@@ -106,6 +106,12 @@ def find_roles(
         raise InputError(
             f"{both.pop()!r} is input and output", file=file, remedy="Name two columns"
         )
+    if time is not None and time[0] in names:
+        raise InputError(
+            f"{time[0]!r} is {'input' if time[0] in driving else 'output'} and the time",
+            file=file,
+            remedy="Name two columns, or the samples per second: RATE=…",
+        )
     if len(set(driving)) < len(driving):
         raise InputError("it names a column twice", field="INPUT", remedy="Name each input once")
     lines = dict(given)
