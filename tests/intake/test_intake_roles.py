@@ -1,3 +1,4 @@
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -5,6 +6,7 @@ import pytest
 
 from dea.errors import InputError
 from dea.intake import Answers, UnansweredError
+from dea.intake.questions import command
 from dea.intake.roles import find_roles
 from dea.store import ForeignTable
 from dea.units import SECONDS
@@ -323,6 +325,16 @@ def test_the_time_is_neither_input_nor_output(role):
         roles(columns, Answers(**{role: "t:s"}))
     found = roles(columns, Answers(**{role: "t:s"}, rate=50.0))
     assert (found.inputs[0] if role == "input" else found.output) == ("t", "s")
+
+
+@pytest.mark.parametrize("name", ["F(x)y", "u&v", "a$c", "it's", 'an "x"', "a`b", "u", "two words"])
+def test_a_command_can_be_typed_whatever_the_names_of_columns(name, tmp_path):
+    (tmp_path / "Makefile").write_text(
+        "case:\n\t@printf %s '$(subst ','\\'',$(INPUT))'\n", encoding="utf-8"
+    )
+    typed = command("case", {"INPUT": f"{name}:V"})
+    said = subprocess.run(typed, shell=True, cwd=tmp_path, capture_output=True, text=True)
+    assert said.stdout == f"{name}:V"
 
 
 def test_several_inputs_are_named_with_commas():

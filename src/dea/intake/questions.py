@@ -1,5 +1,6 @@
 """One message that asks for all settings a file leaves open, with the command that gives them."""
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -44,6 +45,7 @@ def command(goal: str, answers: Mapping[str, str]) -> str:
 
 
 def answer(key: str, value: str) -> str:
-    """Return one answer as it stands on a command line."""
-    word = f"{key}={value}"
-    return f'"{word}"' if " " in word else word
+    """Return one answer as it stands on a command line of make, quoted where a shell needs it."""
+    word = f"{key}={value.replace('$', '$$')}"
+    quoted = shlex.quote(word)
+    return quoted if quoted == word or set(word) & set('$`"\\!') else f'"{word}"'
