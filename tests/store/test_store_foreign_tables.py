@@ -645,6 +645,12 @@ def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
     assert not recwarn.list
 
 
+def test_a_table_with_units_behind_its_numbers_is_refused_with_the_cause(tmp_path):
+    rows = [f"{k / 50:.2f},{k / 7:.2f} V,{k / 9:.4f} mm" for k in range(60)]
+    with pytest.raises(InputError, match="in no line of it most fields are numbers"):
+        read(tmp_path, "\n".join(["t,u,y", *rows]))
+
+
 def test_a_workbook_may_hold_numbers_as_text_with_a_comma(tmp_path):
     rows = [["t (s)", "u (V)"], ["0,0", 1.5], ["0,25", "2,5"], ["0,5", "-3,5"]]
     pd.DataFrame(rows).to_excel(tmp_path / "mine.xlsx", header=False, index=False)

@@ -100,9 +100,17 @@ def _first_row(rows: Sequence[str], numbered: Sequence[int], layout: Layout, fil
     Raises
     ------
     InputError
-        If right above it there are fewer numbers: they are neither a row nor headings.
+        If there is none, or there are fewer numbers right above it: they are neither a row nor
+        headings.
     """
-    begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
+    whole_rows = (i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
+    begin = next(whole_rows, None)
+    if begin is None:
+        raise InputError(
+            "in no line of it most fields are numbers",
+            file=file,
+            remedy="Write numbers alone below the headings, and units into these",
+        )
     whole = _are_numbers(rows[begin], layout)
     while begin and _goes_on(rows[begin - 1], whole, layout):
         begin -= 1
