@@ -645,6 +645,14 @@ def test_a_complex_signal_is_refused_where_it_is_used(tmp_path, recwarn):
     assert not recwarn.list
 
 
+def test_a_heading_of_a_workbook_may_have_several_lines(tmp_path):
+    rows = [["t\n(s)", "Drive\nvoltage [V]", "Length"], *([k / 4, float(k), 1.0] for k in range(4))]
+    pd.DataFrame(rows).to_excel(tmp_path / "mine.xlsx", header=False, index=False)
+    table = read_foreign(tmp_path / "mine.xlsx")
+    assert list(table.columns) == ["t", "Drive voltage", "Length"]
+    assert table.units == {"t": "s", "Drive voltage": "V"}
+
+
 def test_a_table_with_units_behind_its_numbers_is_refused_with_the_cause(tmp_path):
     rows = [f"{k / 50:.2f},{k / 7:.2f} V,{k / 9:.4f} mm" for k in range(60)]
     with pytest.raises(InputError, match="in no line of it most fields are numbers"):

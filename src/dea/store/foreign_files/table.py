@@ -91,11 +91,16 @@ class ForeignTable:
 
 
 def name_and_units(heading: str) -> tuple[str, str | None]:
-    """Return the parts of a heading such as ``Temperature (degC)``."""
-    found = _HEADING.match(heading.strip())
+    """Return the parts of a heading such as ``Temperature (degC)``, perhaps of several lines."""
+    heading = _in_a_line(heading)
+    found = _HEADING.match(heading)
     if found is None or not found["name"]:
-        return heading.strip(), None
+        return heading, None
     return found["name"], plain_units(found["units"])
+
+
+def _in_a_line(heading: str) -> str:
+    return re.sub(r"\s*[\r\n]\s*", " ", heading.strip())
 
 
 def from_columns(
@@ -127,7 +132,7 @@ def from_columns(
     InputError
         Where two columns have one name.
     """
-    given_names = [heading.strip() for heading in headings]
+    given_names = [_in_a_line(heading) for heading in headings]
     whole = [name or f"column {i + 1}" for i, name in enumerate(given_names)]
     parts = [name_and_units(heading) for heading in whole]
     bare = [name for name, _ in parts]
