@@ -659,6 +659,20 @@ def test_a_table_with_units_behind_its_numbers_is_refused_with_the_cause(tmp_pat
         read(tmp_path, "\n".join(["t,u,y", *rows]))
 
 
+def test_true_and_false_of_a_netcdf_file_are_numbers(tmp_path):
+    valve = np.array([True, False, True, True])
+    data = {
+        "valve": ("n", valve, {"units": 1}),
+        "y": ("n", np.arange(4.0), {"units": "mm"}),
+        "on": ((), True),
+    }
+    xr.Dataset(data).to_netcdf(tmp_path / "mine.nc")
+    table = read_foreign(tmp_path / "mine.nc")
+    np.testing.assert_array_equal(table.columns["valve"], [1.0, 0.0, 1.0, 1.0])
+    assert (table.no_numbers, table.constants) == ({}, {"on": 1.0})
+    assert table.units == {"valve": "1", "y": "mm"}
+
+
 def test_a_workbook_may_hold_numbers_as_text_with_a_comma(tmp_path):
     rows = [["t (s)", "u (V)"], ["0,0", 1.5], ["0,25", "2,5"], ["0,5", "-3,5"]]
     pd.DataFrame(rows).to_excel(tmp_path / "mine.xlsx", header=False, index=False)

@@ -172,14 +172,12 @@ def _read_netcdf(file: Path) -> ForeignTable:
     with xr.open_dataset(file, decode_times=False) as dataset:
         variables = {str(name): each for name, each in dataset.load().variables.items()}
     vectors = {
-        name: each
-        for name, each in variables.items()
-        if each.ndim == 1 and np.issubdtype(each.dtype, np.number)
+        name: each for name, each in variables.items() if each.ndim == 1 and _holds_numbers(each)
     }
     scalars = {
         name: each for name, each in variables.items() if each.ndim == 0 and _is_real(each.values)
     }
-    known = {n: v.attrs["units"] for n, v in (vectors | scalars).items() if "units" in v.attrs}
+    known = {n: str(v.attrs["units"]) for n, v in (vectors | scalars).items() if "units" in v.attrs}
     return ForeignTable(
         {name: _real(each.values) for name, each in vectors.items()},
         {name: plain_units(units) for name, units in known.items()},
@@ -203,7 +201,7 @@ def _read_matlab(file: Path) -> ForeignTable:
     content = loadmat(file, simplify_cells=True)
     for name, value in _flat({k: v for k, v in content.items() if not k.startswith("__")}):
         found = {}
-        if not np.issubdtype(value.dtype, np.number) or value.size == 0 or value.ndim > 2:
+        if not _holds_numbers(value) or value.size == 0 or value.ndim > 2:
             no_numbers |= {name: _kind(value, "a cell array")} if value.size != 1 else {}
         elif value.size == 1:
             constants |= {name: float(value.ravel()[0])} if _is_real(value) else {}
@@ -229,13 +227,18 @@ def _kind(values: np.ndarray, objects: str) -> str:
     """Return in words what an array that is no vector of numbers holds; what ``objects`` are."""
     if not values.size:
         return "nothing"
-    if np.issubdtype(values.dtype, np.number):
+    if _holds_numbers(values):
         return f"numbers in {values.ndim} dimensions"
     return "text" if values.dtype.kind in "SU" else objects
 
 
+def _holds_numbers(values: np.ndarray | xr.Variable) -> bool:
+    """Tell whether an array holds numbers; true and false are 1 and 0."""
+    return np.issubdtype(values.dtype, np.number) or values.dtype == np.bool_
+
+
 def _is_real(values: np.ndarray) -> bool:
-    return np.issubdtype(values.dtype, np.number) and not np.iscomplexobj(values)
+    return _holds_numbers(values) and not np.iscomplexobj(values)
 
 
 def _real(values: np.ndarray) -> Array:
