@@ -1,19 +1,22 @@
 """The report of a small study, as a browser shows it."""
 
+import json
 import re
 import shutil
 import subprocess
 from functools import reduce
+from html import unescape
 from operator import getitem
 from pathlib import Path
 
 import pytest
 import yaml
 from copied_project import ROOT
+from markdown_it import MarkdownIt
 
 from dea.errors import InputError
 from dea.report import page, write
-from dea.report.origin import origin
+from dea.report.origin import origin, verdict
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 # Says in the title what the browser made of the page.
@@ -68,6 +71,28 @@ def test_a_picture_is_described_by_the_first_sentence_of_its_caption(
     for part in ("_result", "_small", "origin"):
         monkeypatch.setattr(f"dea.report.page.{part}", lambda _: "")
     assert f'<img alt="{alt}" ' in page.figure(name, system)
+
+
+HOSTILE = "0.1 N*m where u_1 is 2 N*m, <img src=x onerror=f()> &amp; `a` [b](c) | #\n\nd \\"
+
+
+def test_text_of_a_user_is_text_in_the_report(tmp_path, monkeypatch):
+    (tmp_path / "workflow").symlink_to(ROOT / "workflow")
+    monkeypatch.chdir(tmp_path)
+    folder = Path("results/discrepancy/mine")
+    folder.mkdir(parents=True)
+    (folder / "verdict.json").write_text(json.dumps({"sentence": HOSTILE}))
+    Path("results/tables").mkdir()
+    Path("results/tables/cases.md").write_text(f"| units |\n|---|\n| {HOSTILE[:52]} |\n")
+    for part in ("provenance.check", "provenance.digest"):
+        monkeypatch.setattr(f"dea.{part}", lambda *_: "")
+    monkeypatch.setattr("dea.report.page.origin", lambda _: "")
+    reader = MarkdownIt("commonmark", {"html": True}).enable("table")
+    shown = reader.render(f"| a | b |\n|---|---|\n| c | {verdict('mine')} |\n")
+    plain = unescape(re.sub("<[^>]+>", "", shown[shown.index("<td>c") :])).split()
+    assert plain == ["c", *HOSTILE.split()]
+    assert set(re.findall("<(\\w+)", shown)) == {"table", "thead", "tbody", "tr", "th", "td"}
+    assert "<img" not in page.table("cases")
 
 
 def test_a_link_reaches_a_file_whatever_is_in_its_name(monkeypatch):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ from urllib.parse import quote
 
 from dea import provenance
 from dea.errors import InputError
+
+_MARKS = re.compile(r"[\\`*_~\[\]<>&|!#]")  # of Markdown and HTML, within a line
 
 
 def origin(product: Path) -> str:
@@ -71,7 +74,7 @@ def _code(text: str) -> str:
 
 
 def verdict(system: str) -> str | None:
-    """Return the sentence of a diagnosis, ``None`` where there is none.
+    """Return the sentence of a diagnosis as Markdown, ``None`` where there is none.
 
     Raises
     ------
@@ -85,4 +88,5 @@ def verdict(system: str) -> str | None:
     sentence = json.loads(file.read_text(encoding="utf-8")).get("sentence")
     if not isinstance(sentence, str):
         raise InputError("has no sentence", file=file, remedy="Delete it and run again")
-    return sentence
+    # It holds names and units of a user's files.
+    return _MARKS.sub(r"\\\g<0>", " ".join(sentence.split()))

@@ -90,7 +90,9 @@ def paged_figure(name: str, of: Set[str]) -> str:
 def table(name: str) -> str:
     """Return the table ``results/tables/NAME`` with its caption and how it was made."""
     file = _result(f"tables/{name}.md")
-    rows = MarkdownIt("commonmark").enable("table").render(file.read_text(encoding="utf-8"))
+    # Names and units are those of a user's files.
+    reader = MarkdownIt("commonmark", {"html": False}).enable("table")
+    rows = reader.render(file.read_text(encoding="utf-8"))
     return _framed(f'<div class="wide">{rows}</div>', _caption("tables", name, ""), file)
 
 
