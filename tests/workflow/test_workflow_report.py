@@ -73,6 +73,18 @@ def test_a_picture_is_described_by_the_first_sentence_of_its_caption(
     assert f'<img alt="{alt}" ' in page.figure(name, system)
 
 
+@pytest.mark.parametrize("name", ["front_page", "mine_page2", "a_page_b"])
+def test_the_diagnosis_of_a_case_has_its_caption_whatever_its_name(name, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    for part in ("_result", "_small", "origin"):
+        monkeypatch.setattr(f"dea.report.page.{part}", lambda _: "")
+    asked = []
+    monkeypatch.setattr("dea.report.page._caption", lambda *of: asked.append(of) or "")
+    page.figure(f"discrepancy/{name}", name)
+    page.figure(f"cases/fig1_{name}", name)
+    assert asked == [("figures", "discrepancy", name), ("figures", "fig1", name)]
+
+
 HOSTILE = "0.1 N*m where u_1 is 2 N*m, <img src=x onerror=f()> &amp; `a` [b](c) | #\n\nd \\"
 
 

@@ -68,7 +68,8 @@ def figure(name: str, system: str = "") -> str:
     """
     file = _result(f"figures/{name}.png")
     kind = Path(name).name.removesuffix(f"_{system}").partition("_page")[0]
-    kind = "discrepancy" if kind == system else kind
+    if Path(name).parent.name == "discrepancy":
+        kind = "discrepancy"
     source = f"data:image/webp;base64,{_small(file)}"
     caption = _caption("figures", kind, system)
     image = f'<img alt="{escape(_first_sentence(caption))}" src="{source}">'
