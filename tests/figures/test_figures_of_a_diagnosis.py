@@ -146,6 +146,16 @@ def test_a_bin_without_samples_is_left_open():
     np.testing.assert_array_equal(steps["after"], [1.0, 2.0, 1.5])
 
 
+@pytest.mark.parametrize("known", [(), ("before",), ("after",), ("before", "after")])
+def test_the_legend_names_chance_where_it_is_drawn(known):
+    bare = LOCALISATION.copy(deep=True)
+    for when in {"before", "after"}.difference(known):
+        bare[f"input_null_{when}"].values[:] = np.nan
+    ax = discrepancy(bare, CANDIDATES, CERTIFICATE, verdict()).axes[2]
+    listed = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert listed == ["before", "after", *(["chance 95 %"] if known else [])]
+
+
 def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
     ax = panels["ladder"]
     points, *levels = ax.lines

@@ -180,7 +180,7 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
     """
     found = verdict["where"]["along"]
     along = found or "output"
-    highest = 0.0
+    highest, told = 0.0, False
     for when, colour in (("before", style.GREY), ("after", style.VERMILION)):
         low = localisation[f"{along}_low_{when}"].values
         high = localisation[f"{along}_high_{when}"].values
@@ -189,9 +189,12 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         null = localisation[f"{along}_null_{when}"].values
         empty = (rms.values == 0.0) & ~(null > 0.0)  # bins without samples, as of those kept aside
         ax.stairs(np.where(empty, np.nan, rms.values), edges, color=colour, label=when, lw=1.1)
-        ax.stairs(np.where(empty, np.nan, null), edges, color=colour, ls=":", lw=0.7)
+        chance = np.where(empty, np.nan, null)
+        ax.stairs(chance, edges, color=colour, ls=":", lw=0.7)
+        told |= bool(np.isfinite(chance).any())
         highest = max(highest, float(rms.max()), float(null.max()))
-    ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
+    if told:
+        ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
     ends = localisation[f"{along}_low_before"].attrs
     called = str(ends["long_name"]).removesuffix(": lower end").replace("_", " ")
     ax.set(
