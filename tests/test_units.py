@@ -6,7 +6,7 @@ from dea.units import power, product, ratio
 @pytest.mark.parametrize(
     ("units", "squared"),
     [("mm", "mm^2"), ("1", "1"), ("ticks/s", "(ticks/s)^2"), ("N m", "(N m)^2"),
-     ("mm^2", "(mm^2)^2")],
+     ("mm^2", "(mm^2)^2"), ("N·m", "(N·m)^2")],
 )  # fmt: skip
 def test_a_power_is_of_the_whole_unit(units, squared):
     assert power(units, 2) == squared
@@ -14,7 +14,7 @@ def test_a_power_is_of_the_whole_unit(units, squared):
 
 @pytest.mark.parametrize(
     ("below", "per"), [("V", "mm/V"), ("1", "mm"), ("V^2", "mm/V^2"), ("V %", "mm/(V %)"),
-     ("ticks/s", "mm/(ticks/s)")],
+     ("ticks/s", "mm/(ticks/s)"), ("N·m", "mm/(N·m)"), ("m V/s", "mm/(m V/s)")],
 )  # fmt: skip
 def test_a_ratio_is_over_the_whole_unit(below, per):
     assert ratio("mm", below) == per
@@ -35,6 +35,12 @@ def test_a_ratio_is_over_the_whole_unit(below, per):
         (["N"], "mm", "N/mm"),
         (["m^0.5"], "s", "m^0.5/s"),
         (["(ticks/s)^2"], "s", "(ticks/s)^2/s"),
+        (["N*m", "N*m"], "1", "N^2 m^2"),
+        (["V", "V"], "V*s", "V/s"),
+        (["N·m"], "m", "N"),
+        (["m/s", "V"], "1", "m V/s"),
+        (["V", "%"], "1", "V %"),
+        (["a^b"], "s", "a^b/s"),
     ],
 )
 def test_what_cancels_is_left_out_of_a_product(above, below, found):

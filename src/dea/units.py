@@ -8,6 +8,9 @@ SECONDS = {
 }  # fmt: skip
 # How many hertz each unit of a rate has.
 HERTZ = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "1/s": 1.0, "1/min": 1.0 / 60.0}
+_SIGNS = " */·^"  # of units that are made of others
+_TIMES = re.compile(r"[\s*·]+")
+_POWER = re.compile(r"(.+)\^([-+]?\d+\.?\d*)")
 _BRACKETS = re.compile(r"^[\[(]([^\[\]()]*)[\])]$")
 _SINCE = re.compile(r"\s+since\s.*", re.IGNORECASE)
 _SPELLINGS = {
@@ -34,7 +37,7 @@ def power(units: str, exponent: int) -> str:
     """Return the units of a power of a quantity; without units they are ``1``."""
     if units == "1":
         return units
-    compound = any(sign in units for sign in " */^")
+    compound = any(sign in units for sign in _SIGNS)
     return f"({units})^{exponent}" if compound else f"{units}^{exponent}"
 
 
@@ -43,11 +46,12 @@ def product(*above: str, below: str = "1") -> str:
     powers: dict[str, float] = {}
     for sign, units in (*((1, each) for each in above), (-1, below)):
         for place, part in enumerate([units] if "(" in units else units.split("/")):
-            for factor in [part] if "(" in part else part.split():
-                name, _, exponent = factor.partition("^")
+            for factor in [part] if "(" in part else filter(None, _TIMES.split(part)):
+                raised = None if "(" in factor else _POWER.fullmatch(factor)
+                name, exponent = raised.groups() if raised else (factor, "1")
                 if name != "1":
                     side = -sign if place else sign
-                    powers[name] = powers.get(name, 0.0) + side * float(exponent or 1.0)
+                    powers[name] = powers.get(name, 0.0) + side * float(exponent)
 
     def written(name: str) -> str:
         size = abs(powers[name])
@@ -62,4 +66,6 @@ def ratio(above: str, below: str) -> str:
     """Return the units of one quantity over another."""
     if below == "1":
         return above
-    return f"{above}/({below})" if any(sign in below for sign in " */") else f"{above}/{below}"
+    return (
+        f"{above}/({below})" if any(sign in below for sign in _SIGNS[:-1]) else f"{above}/{below}"
+    )

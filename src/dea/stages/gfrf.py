@@ -16,7 +16,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     from dea.gfrf import Grid, response_over_time
     from dea.narx import Labels, NarxModel
     from dea.tracking import with_constant
-    from dea.units import power, ratio
+    from dea.units import power, product, ratio
 
     chosen = settings["gfrf"]
     signals = store.signals(store.read_record(record))
@@ -46,7 +46,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         "y0": y,
         "H1": _listed(ratio(y, u) for u in driving),
         "H2": _listed(
-            ratio(y, power(u, 2) if u == v else f"{u} {v}")
+            ratio(y, power(u, 2) if u == v else product(u, v))
             for u, v in combinations_with_replacement(driving, 2)
         ),
         "H3": _listed(ratio(y, power(u, 3)) for u in driving),
