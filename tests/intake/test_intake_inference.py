@@ -8,8 +8,9 @@ from dea.configuration.identification import Validation
 from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_held, samples_to_average
-from dea.intake.dynamics import linear_dynamics
+from dea.intake.dynamics import _settling, linear_dynamics
 from dea.intake.settings import infer_settings
+from dea.narx import NarxModel
 from dea.store import Record
 from dea.warm_up import LONGEST_WARM_UP
 
@@ -69,6 +70,12 @@ def test_the_settling_time_is_that_of_the_pole(pole):
     found = linear_dynamics(u, of_pole(u, pole, 1))
     assert found.settling == pytest.approx(np.log(0.02) / np.log(pole), abs=2)
     assert found.slowest == pytest.approx(-1.0 / np.log(pole), abs=0.6)
+
+
+def test_an_unstable_model_settles_never():
+    """Without a warning, which would be an error here."""
+    model = NarxModel.from_terms({"y(t-1)": 1.5, "u(t-1)": 1.0, "1": 1.0})
+    assert _settling(model, 3000, 1) == 3000
 
 
 def signals(size, rate, missing=()):

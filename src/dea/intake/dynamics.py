@@ -141,9 +141,10 @@ def _settling(model: NarxModel, longest: int, inputs: int) -> int:
     rest = model.simulate(middle, start)
     slowest = 1
     for step in np.diag(np.broadcast_to(scaling.u_scale, inputs)):
-        response = model.simulate(middle + step, start) - rest
-        if not np.isfinite(response).all():
+        run = model.simulate(middle + step, start)
+        if not np.isfinite([run, rest]).all():
             return longest
+        response = run - rest
         off = np.abs(response - response[-1]) > _SETTLED * np.abs(response[-1])
         slowest = max(slowest, int(np.flatnonzero(off)[-1]) + 1 if off.any() else 1)
     return slowest
