@@ -26,7 +26,7 @@ from dea.figures.fig4_h2 import fig4_h2
 from dea.figures.fig4_h2_phase import fig4_h2_phase
 from dea.figures.fig4_h3 import fig4_h3
 from dea.figures.frequency_maps import as_complex
-from dea.figures.lettering import in_lines
+from dea.figures.lettering import in_lines, told_apart
 from dea.figures.link import link
 from dea.figures.recovery import recovery
 from dea.figures.residual_tests import as_mathematics, residual_tests
@@ -559,3 +559,14 @@ def test_every_panel_of_tracked_parameters_shows_its_times():
 )
 def test_a_residual_test_as_mathematics(test, mathematics):
     assert as_mathematics(test) == mathematics
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([0.0, -0.0, 1.0], ["0", "0", "1"]),
+        ([0.123, 0.124, -2.0], ["0.123", "0.124", "\N{MINUS SIGN}2"]),
+    ],
+)
+def test_numbers_have_as_many_digits_as_tell_them_apart(values, texts):
+    assert told_apart(values) == texts

@@ -13,6 +13,7 @@ _PART = re.compile(r"[^_\-\s]+[_\-\s]*|[_\-\s]+")
 
 def told_apart(values: Sequence[float]) -> list[str]:
     """Return numbers as text, with two digits or as many more as make those differ that do."""
+    values = [value + 0.0 for value in values]  # minus zero is zero
     written = ([f"{value:.{digits}g}" for value in values] for digits in count(2))
     texts = next(each for each in written if len(set(each)) == len(set(values)))
     return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
