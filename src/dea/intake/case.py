@@ -211,12 +211,13 @@ def _resampling(
             " into one, and models would come from a longer part"
         )
         several = 1
-    missing = steps[steps > 1.6 * interval]
+    gaps = store.are_gaps(steps, interval)
+    missing = steps[gaps]
     if missing.size:
         several_missing = f"{missing.size} missing stretches, the longest"
         stretches = several_missing if missing.size > 1 else "a missing stretch"
         notes.append(f"{stretches} of {missing.max():.4g} s: flagged")
-    uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
+    uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=~gaps))
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
     if several > 1:

@@ -24,7 +24,13 @@ from dea.store.record import (
 from dea.store.record_checks import check_record
 from dea.store.record_file import read_record
 from dea.store.records import flag_counts, signals
-from dea.store.resampling import check_order, rounding, samples_per_interval, usual_interval
+from dea.store.resampling import (
+    are_gaps,
+    check_order,
+    rounding,
+    samples_per_interval,
+    usual_interval,
+)
 from dea.store.role import Role
 from dea.store.sources import Sources
 
@@ -39,6 +45,7 @@ __all__ = [
     "Sources",
     "Text",
     "Variable",
+    "are_gaps",
     "atomic",
     "called_time",
     "check_order",

@@ -52,6 +52,17 @@ def usual_interval(time: Array) -> float:
     return short if abs(short - slope) * count[-1] < _SHIFT * slope else slope
 
 
+def are_gaps(steps: Array, interval: float) -> NDArray[np.bool_]:
+    """Tell which steps from one sample to the next are so long that samples are missing in them.
+
+    Parameters
+    ----------
+    steps
+        Shape (steps,), in units of ``interval``, the time between samples.
+    """
+    return np.asarray(steps > _NEIGHBOURS * interval)
+
+
 def samples_per_interval(time: Array, interval: float) -> int:
     """Return how many samples of a record's own rate an interval holds, rounded, one at least.
 
@@ -200,7 +211,7 @@ def _on_grid(
     after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
     gap = at[after] - at[after - 1]
     nearest = np.minimum(np.abs(grid - at[after - 1]), np.abs(at[after] - grid))
-    missing = (gap > _NEIGHBOURS * step) & (nearest > _CLOSE * step)
+    missing = are_gaps(gap, step) & (nearest > _CLOSE * step)
     return np.interp(grid, at, values[known]), missing
 
 
