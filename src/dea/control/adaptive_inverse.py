@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from dea.arrays import Array
 from dea.control.feedback import FilteredError, Gains
+from dea.control.limits import are_limits
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse
 from dea.control.reference import least_jerk
@@ -79,7 +80,7 @@ class Task:
 
     def __post_init__(self) -> None:
         lowest, highest = self.limits
-        if not -inf < lowest < highest < inf:
+        if not are_limits(lowest, highest):
             raise InputError(
                 f"they are {lowest:g} and {highest:g}",
                 field="limits",

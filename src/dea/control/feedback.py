@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.arrays import Array
+from dea.control.limits import are_limits
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
 from dea.narx import check_rate
@@ -229,7 +230,7 @@ class Follower:
 
     def __post_init__(self) -> None:
         if not (
-            -inf < self.lowest < self.highest < inf
+            are_limits(self.lowest, self.highest)
             and self.lowest <= self.start <= self.highest
             and self.rate > 0.0
         ):

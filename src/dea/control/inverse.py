@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dea.arrays import Array
+from dea.control.limits import are_limits
 from dea.errors import InputError
 
 _TRIED = 17  # inputs between the limits, among which a prediction is taken to be monotone
@@ -48,7 +49,7 @@ def inverse_input(
     """
     from scipy.optimize import brentq
 
-    if horizon < 1 or not -np.inf < lowest < highest < np.inf:
+    if horizon < 1 or not are_limits(lowest, highest):
         raise InputError(
             f"a horizon of {horizon} samples, inputs from {lowest:g} to {highest:g}",
             field="horizon, lowest, highest",

@@ -8,6 +8,11 @@ from numba import njit
 from dea.errors import InputError
 
 
+def are_limits(lowest: float, highest: float) -> bool:
+    """Tell whether both are finite and the first is the lower one."""
+    return -inf < lowest < highest < inf
+
+
 class InputLimits(NamedTuple):
     """Lowest and highest input, and its largest change from sample to sample."""
 
@@ -17,7 +22,7 @@ class InputLimits(NamedTuple):
 
     def check(self) -> None:
         """Refuse limits that are not finite or leave no input to choose."""
-        if not (-inf < self.lowest < self.highest < inf and self.step > 0.0):
+        if not (are_limits(self.lowest, self.highest) and self.step > 0.0):
             raise InputError(
                 f"inputs from {self.lowest:g} to {self.highest:g}, {self.step:g} per sample",
                 field="limits",

@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.arrays import Array
-from dea.control.limits import InputLimits
+from dea.control.limits import InputLimits, are_limits
 from dea.control.planning_kernels import Equation, improve
 from dea.errors import InputError
 from dea.narx import NarxModel, padded_lags, rate_of
@@ -53,7 +53,7 @@ class RecedingHorizonInverse:
         rate: float,
         sampling_rate: float | None = None,
     ) -> None:
-        limited = -np.inf < lowest < highest < np.inf and rate > 0.0
+        limited = are_limits(lowest, highest) and rate > 0.0
         if horizon < 3 or not (0.0 < smoothness < np.inf and limited):
             raise InputError(
                 f"a horizon of {horizon}, smoothness {smoothness:g}, inputs from {lowest:g} to"
