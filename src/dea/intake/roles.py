@@ -101,43 +101,11 @@ def find_roles(
     }
     left_over = _fill_the_other(found, free, table)
     names = [name for each in found.values() for name, _ in each]
-    driving, measured = ([name for name, _ in found[role]] for role in ("input", "output"))
-    if both := set(driving).intersection(measured):
-        raise InputError(
-            f"{both.pop()!r} is input and output", file=file, remedy="Name two columns"
-        )
-    if time is not None and time[0] in names:
-        raise InputError(
-            f"{time[0]!r} is {'input' if time[0] in driving else 'output'} and the time",
-            file=file,
-            remedy="Name two columns, or the samples per second: RATE=…",
-        )
-    if len(set(driving)) < len(driving):
-        raise InputError("it names a column twice", field="INPUT", remedy="Name each input once")
-    lines = dict(given)
-    asked = _unknown_roles(found, free, table)
-    # Two columns are likely input and output, in this order; of more, none is likelier.
+    _check_apart(found, time, file)
     rest = [name for name in free if name not in names]
-    guesses = rest if len(free) == 2 and not table.no_numbers else []
-    for role, known in found.items():
-        if not known:
-            name = guesses.pop(0) if guesses else "COLUMN"
-            units = table.units.get(name) or ("" if _all_have_units(rest, table) else "UNITS")
-            lines[role.upper()] = f"{name}:{units}" if units else name
-            continue
-        asked += [f"the units of {name!r}" for name, units in known if not units]
-        lines[role.upper()] = ",".join(f"{name}:{units or 'UNITS'}" for name, units in known)
-    if time is None and interval is None:
-        asked.append(
-            "how many samples there are in a second (or which column is the time:"
-            " TIME=COLUMN:UNITS)"
-        )
-        lines["RATE"] = "SAMPLES_PER_SECOND"
-    if time is not None and time[1] is None:
-        asked.append(f"the units of the time {time[0]!r} ({', '.join(SECONDS)})")
-        lines["TIME"] = f"{time[0]}:UNITS"
+    asked, lines = _question(found, time, interval, free, table)
     if asked:
-        raise UnansweredError(asked, command(goal, lines), file, described(table))
+        raise UnansweredError(asked, command(goal, {**given, **lines}), file, described(table))
     table.refuse_words([*names, *([time[0]] if time else [])], file)
     unsaid = [role for role in ("input", "output") if not said[role]]
     by = dict.fromkeys(unsaid, ", by the names") | dict.fromkeys(left_over, ", the only other one")
@@ -152,6 +120,31 @@ def find_roles(
     }
     timed = (time[0], time[1] or "") if time is not None else None
     return Roles(columns["input"], columns["output"][0], timed, interval, tuple(inferred))
+
+
+def _check_apart(
+    found: Mapping[str, list[ColumnUnits]], time: ColumnUnits | None, file: Path
+) -> None:
+    """Refuse a column that has two roles, or is named twice as an input.
+
+    Raises
+    ------
+    InputError
+        Naming it.
+    """
+    driving, measured = ([name for name, _ in found[role]] for role in ("input", "output"))
+    if both := set(driving).intersection(measured):
+        raise InputError(
+            f"{both.pop()!r} is input and output", file=file, remedy="Name two columns"
+        )
+    if time is not None and time[0] in (*driving, *measured):
+        raise InputError(
+            f"{time[0]!r} is {'input' if time[0] in driving else 'output'} and the time",
+            file=file,
+            remedy="Name two columns, or the samples per second: RATE=…",
+        )
+    if len(set(driving)) < len(driving):
+        raise InputError("it names a column twice", field="INPUT", remedy="Name each input once")
 
 
 def _earlier(
@@ -209,6 +202,43 @@ def _answer(text: str, table: ForeignTable, role: str, file: Path) -> ColumnUnit
             remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
         )
     return name, plain_units(units) if units else table.units.get(name)
+
+
+def _question(
+    found: Mapping[str, list[ColumnUnits]],
+    time: ColumnUnits | None,
+    interval: float | None,
+    free: list[str],
+    table: ForeignTable,
+) -> tuple[list[str], dict[str, str]]:
+    """Return what is not known of the columns, and the variables of a command that tells it.
+
+    Nothing is asked where all is known. ``free`` are the columns that may be input or output.
+    """
+    lines: dict[str, str] = {}
+    asked = _unknown_roles(found, free, table)
+    names = [name for each in found.values() for name, _ in each]
+    rest = [name for name in free if name not in names]
+    # Two columns are likely input and output, in this order; of more, none is likelier.
+    guesses = rest if len(free) == 2 and not table.no_numbers else []
+    for role, known in found.items():
+        if not known:
+            name = guesses.pop(0) if guesses else "COLUMN"
+            units = table.units.get(name) or ("" if _all_have_units(rest, table) else "UNITS")
+            lines[role.upper()] = f"{name}:{units}" if units else name
+            continue
+        asked += [f"the units of {name!r}" for name, units in known if not units]
+        lines[role.upper()] = ",".join(f"{name}:{units or 'UNITS'}" for name, units in known)
+    if time is None and interval is None:
+        asked.append(
+            "how many samples there are in a second (or which column is the time:"
+            " TIME=COLUMN:UNITS)"
+        )
+        lines["RATE"] = "SAMPLES_PER_SECOND"
+    if time is not None and time[1] is None:
+        asked.append(f"the units of the time {time[0]!r} ({', '.join(SECONDS)})")
+        lines["TIME"] = f"{time[0]}:UNITS"
+    return asked, lines
 
 
 def _unknown_roles(
