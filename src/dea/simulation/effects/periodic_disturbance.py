@@ -26,10 +26,10 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     if q[0] * duration < _MANY:
         wander = [0.0]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
-    phase = 2.0 * np.pi * q[0] * t + slow
-    wave = np.zeros_like(y)
-    for n in range(_HARMONICS):
-        wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
+    turn = np.exp(1j * (2.0 * np.pi * q[0] * t + slow))
+    # The harmonics are powers of the first: two transcendental functions instead of ten.
+    cosines, sines = q[1 : 1 + 2 * _HARMONICS].reshape(-1, 2).T
+    wave = np.polynomial.polynomial.polyval(turn, [0.0, *(cosines - 1j * sines)]).real
     for frequency, cosine, sine in beside:
         if cosine or sine:
             angle = 2.0 * np.pi * frequency * t
