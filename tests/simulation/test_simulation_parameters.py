@@ -163,6 +163,20 @@ def test_the_slowest_time_is_that_of_the_slowest_pole(damping, slowest):
     assert slowest_time(extended, np.ones(10)) == pytest.approx(slowest, rel=1e-4)
 
 
+def test_a_shaft_that_turns_freely_has_no_slowest_time_of_its_own():
+    """Motor and load on a shaft: both angles may turn, the twist of 20 rad/s fades in 0.25 s."""
+    own = load_simulation("mass_spring_damper")
+
+    def derivative(x, u, p, dx):
+        torque = 200.0 * (x[0] - x[2]) + 4.0 * (x[1] - x[3])
+        dx[0], dx[1] = x[1], u - torque
+        dx[2], dx[3] = x[3], torque
+
+    states = tuple(replace(own.states[0], name=f"x{i}", initial=0.3) for i in range(4))
+    free = ExtendedSimulation(replace(own, states=states, derivative=derivative, force_ports=()))
+    assert slowest_time(free, np.zeros(10)) == pytest.approx(0.25, rel=1e-3)
+
+
 def test_the_slowest_time_is_that_of_a_small_motion():
     """A damper that is twice as strong a tenth of a unit away from rest."""
     own = load_simulation("piezo_stage")

@@ -21,6 +21,9 @@ _STILL = 0.3
 # Prior spread of the time by which the output is logged late, in sampling intervals: with the three
 # spreads that a parameter may move, a good sample either way.
 _TIMING = 0.4
+# Rate of decay, as a part of the largest eigenvalue, that a derivative by differences may give an
+# integrator.
+_ROUNDING = 1e-9
 # Numbers of integration steps per sample that are tried, coarsest first.
 _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
 # The last of them that are twice those before: a method of first order errs by half at each.
@@ -240,8 +243,10 @@ def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
         moved[j] += step
         own.compiled_derivative(moved, level, own.nominal, f1)
         A[:, j] = (f1 - f0) / step
-    decay = -np.linalg.eigvals(A).real
-    return float(1.0 / decay[decay > 0].min()) if (decay > 0).any() else 0.0
+    modes = np.linalg.eigvals(A)
+    decay = -modes.real
+    decaying = decay > _ROUNDING * np.abs(modes).max(initial=0.0)
+    return float(1.0 / decay[decaying].min()) if decaying.any() else 0.0
 
 
 def _deflection(
