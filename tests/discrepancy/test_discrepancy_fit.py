@@ -530,6 +530,11 @@ def test_effects_of_one_family_are_one_class_wherever_they_attach():
     assert not same_class(twice, candidate(("end_stop", 0), ("strain_stiffening", 1)))
     assert not same_class(twice, candidate(("end_stop", 0), ("sensor_lag", 0)))
     assert not same_class(twice, candidate(("end_stop", 0)))
+    lags, unlike = (
+        candidate(("sensor_lag", 0), (name, 0)) for name in ("transport_delay", "dead_zone")
+    )
+    assert not same_class(lags, unlike)
+    assert not same_class(unlike, lags)
 
 
 @pytest.mark.parametrize(("apart", "count"), [(0.0, 1), (2.0, 2)])

@@ -17,7 +17,7 @@ from dea.simulation import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 _REFRESH = 3
 # From the least damping, nine increases lead to one at which a step is steepest descent.
 _DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
-# Difference of costs below which two fits are as good: the 95 % quantile of chi-squared.
+# Difference of costs, in squares of the assumed noise, below which two fits count as equally good.
 _AS_GOOD = 3.84
 # Distance from a bound, or from its prior mean, in prior spreads, at which a coordinate is there.
 CLOSE = 1e-3

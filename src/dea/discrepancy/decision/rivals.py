@@ -8,19 +8,14 @@ from dea.discrepancy.search.candidates import Candidate
 
 
 def same_class(first: Candidate, second: Candidate) -> bool:
-    """Return whether the effects in which two candidates differ are of the same families.
+    """Return whether the effects of two candidates are of the same families, one by one.
 
     Such effects form one class: a record hardly distinguishes them, or not at all.
     """
     own, other = (
-        [
-            a.effect
-            for a in mine.fit.extended.attached
-            if mine.fit.extended.label(a) not in theirs.labels
-        ]
-        for mine, theirs in ((first, second), (second, first))
+        sorted(a.effect.family for a in each.fit.extended.attached) for each in (first, second)
     )
-    return len(own) == len(other) and all(any(a.family is b.family for b in other) for a in own)
+    return own == other
 
 
 def rivals_of(
