@@ -202,7 +202,7 @@ def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
 
 
 def _require_outputs(parts: Split, records: Sequence[Samples]) -> None:
-    """Refuse outputs that are missing wherever they could be certified, or one record fitted."""
+    """Refuse outputs that are missing in all of the blocks of one use, or of one record."""
     for number, own in enumerate(samples_of_each([each.size for each in records]), 1):
         if not (parts.fit | parts.select)[own].any():
             several = len(records) > 1
@@ -212,12 +212,17 @@ def _require_outputs(parts: Split, records: Sequence[Samples]) -> None:
                 field="output",
                 remedy="Leave that record out" if several else _DIAGNOSE_A_PART,
             )
-    if not parts.certify.any():
-        raise InputError(
-            "it is missing in every block that could be used to certify on",
-            field="output",
-            remedy=_DIAGNOSE_A_PART,
-        )
+    for use, samples in (
+        ("certify on", parts.certify),
+        ("fit to", parts.fit),
+        ("choose by", parts.select),
+    ):
+        if not samples.any():
+            raise InputError(
+                f"it is missing in every block that could be used to {use}",
+                field="output",
+                remedy=_DIAGNOSE_A_PART,
+            )
 
 
 class _Prepared(NamedTuple):
