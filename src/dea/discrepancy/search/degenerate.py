@@ -15,7 +15,7 @@ from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate, judged
+from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import Round
 from dea.simulation import Family, Port, law_courses
 
@@ -35,32 +35,27 @@ def unfinish_degenerate(
     Each law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
     its lower bound. A candidate that explains the record as well there, or less by no more than its
     greater freedom is charged for, counts as unfinished, and so does one of an event that explains
-    as much from the start of the record on.
+    as much from the start of the record on. Those that lead once these have fallen are tested, too.
     """
-    finished = [c for each in rounds for c in each.candidates if c.finished]
-    limit = rules.near * min((c.error for c in finished), default=0.0)
-    leading = [c for c in finished if c.error <= limit]
-    degenerate = in_parallel(
-        lambda c: _is_degenerate(problem, c, rules, noise_floor),
-        leading,
-        workers,
-        "leading effects at their limits",
-    )
-    fallen = {id(c) for c, found in zip(leading, degenerate, strict=True) if found}
-    leading = [c for c in leading if id(c) not in fallen]
-    curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
-    for c in leading:
-        # The catalogue has no curve of the command, so that no competing explanation is asked for.
-        command = _on_path(c, Port.INPUT, Family.LIMIT)
-        if command is not None and _bends_gently(problem, c.fit, command.place):
-            fallen.add(id(c))
-        limiting = _on_path(c, Port.OUTPUT, Family.LIMIT)
-        if limiting is None:
-            continue
-        alike = (d for d, curve in curves if curve.beside == limiting.beside)
-        as_good = any(rules.as_good(d.rmse, c.rmse, noise_floor) for d in alike)
-        if as_good and _bends_gently(problem, c.fit, limiting.place):
-            fallen.add(id(c))
+    candidates = [c for each in rounds for c in each.candidates]
+    tested: set[int] = set()
+    fallen: set[int] = set()
+    while True:
+        leading = _leading([c for c in candidates if id(c) not in fallen], rules)
+        new = [c for c in leading if id(c) not in tested]
+        degenerate = in_parallel(
+            lambda c: _is_degenerate(problem, c, rules, noise_floor),
+            new,
+            workers,
+            "leading effects at their limits",
+        )
+        tested.update(map(id, new))
+        found = [c for c, falls in zip(new, degenerate, strict=True) if falls]
+        # What leads while better ones fall may be within the limit no more.
+        found = found or _gentle_limits(problem, leading, rules, noise_floor)
+        if not found:
+            break
+        fallen.update(map(id, found))
     return [
         replace(
             each,
@@ -70,6 +65,36 @@ def unfinish_degenerate(
         )
         for each in rounds
     ]
+
+
+def _leading(candidates: Sequence[Candidate], rules: Rules) -> list[Candidate]:
+    """Return those fitted to the end whose error is near the least, the best of each set."""
+    finished = [c for c in candidates if c.finished]
+    limit = rules.near * min((c.error for c in finished), default=0.0)
+    return [c for c in best_of_each_set(finished) if c.error <= limit]
+
+
+def _gentle_limits(
+    problem: Problem, leading: Sequence[Candidate], rules: Rules, noise_floor: float
+) -> list[Candidate]:
+    """Return those with a limit that is not reached: a reading's where a curve does as well.
+
+    The catalogue has no curve of the command, so that no competing explanation is asked for.
+    """
+    curves = [(c, found) for c in leading if (found := _on_path(c, Port.OUTPUT, Family.CURVE))]
+
+    def is_gentle(c: Candidate) -> bool:
+        command = _on_path(c, Port.INPUT, Family.LIMIT)
+        if command is not None and _bends_gently(problem, c.fit, command.place):
+            return True
+        limiting = _on_path(c, Port.OUTPUT, Family.LIMIT)
+        if limiting is None:
+            return False
+        alike = (d for d, curve in curves if curve.beside == limiting.beside)
+        as_good = any(rules.as_good(d.rmse, c.rmse, noise_floor) for d in alike)
+        return as_good and _bends_gently(problem, c.fit, limiting.place)
+
+    return [c for c in leading if is_gentle(c)]
 
 
 class _OnPath(NamedTuple):
