@@ -36,6 +36,17 @@ def test_a_record_whose_output_is_known_too_seldom_is_refused_in_one_line():
         diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))
 
 
+@pytest.mark.parametrize("use", ["fit to", "choose by"])
+def test_a_record_without_an_output_in_one_half_is_refused(use):
+    """Of 20 s with a warm-up of 1 s the blocks follow one another, one of each half in turn."""
+    whole = record([], duration=20.0, seed=3)
+    found = diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED[1:2], budget=SEARCH))
+    half = {"fit to": found.split.fit, "choose by": found.split.select}[use]
+    whole["displacement"] = whole["displacement"].where(~half, np.nan)
+    with pytest.raises(InputError, match=f"missing in every block that could be used to {use}"):
+        diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))
+
+
 def test_of_several_records_one_with_too_few_outputs_is_named():
     """Its error alone would be that of no sample, which contradicts any answer."""
     whole, other = (record([], duration=20.0, seed=seed) for seed in (3, 4))
@@ -79,5 +90,8 @@ def test_arguments_of_another_kind_are_refused(wrong, words):
     record = Record.of(u, u, 50.0, units=("V", "mm"))
     with pytest.raises(InputError, match=words):
         diagnose(record, "dea_membrane", **wrong)
+    several = [record, record]
+    with pytest.raises(InputError, match=r"test_records\.record_2: that is the name of a record"):
+        diagnose(several, "dea_membrane", test_records={"record_2": record})
     with pytest.raises(InputError, match="record: it is list, of which record 2 is ndarray"):
         diagnose([record, u], "dea_membrane")

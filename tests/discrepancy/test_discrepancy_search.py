@@ -20,6 +20,7 @@ from dea.discrepancy.decision.parts import each_adds
 from dea.discrepancy.evidence.colour import coloured_level
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
+from dea.discrepancy.evidence.identifiability import most_visible, visibility
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Columns, Fit, at, fit
@@ -1546,6 +1547,36 @@ def test_a_gently_bent_command_does_not_bear_the_name_of_a_limit(limited):
     [found] = again.candidates
     assert found.finished is limited
     assert found.rmse < 1.2 * NOISE
+
+
+def test_a_stop_beyond_the_motion_counts_as_visible():
+    problem, extended = hidden()
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    told = measured_scales(extended, nominal.values, problem)
+    stop = extended.attach(catalogue()["end_stop"], told)
+    far = {"upper_stop": told.z_high + told.z_span, "lower_stop": told.z_low - told.z_span}
+    law = [far.get(p.name, p.nominal) for p in stop.attached[-1].parameters]
+    values = np.concatenate([nominal.values, law])
+    found = at(problem, stop, stop.coordinates(values))
+    enough = Rules().detectable
+    assert visibility(problem, nominal, found).size < enough
+    assert most_visible(problem, nominal, found, enough).size >= enough
+
+
+def test_what_leads_once_others_have_fallen_is_tested_too():
+    problem, extended = hidden()
+    own = extended.values(np.zeros(extended.free.size))
+    bent = problem.u * (1.0 - 0.12 * np.abs(problem.u) / np.abs(problem.u).max())
+    noise = NOISE * np.random.default_rng(4).standard_normal(problem.y.size)
+    problem = replace(problem, y=extended.simulate(own, bent, INTERVAL) + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    singles = extend_by_each(problem, [nominal], [catalogue()["input_saturation"]], Budget(), 1)
+    [found] = singles.candidates
+    rules = Rules()
+    further = replace(found, error=2.0 * rules.near * found.error)
+    singles = replace(singles, candidates=(found, further))
+    [again] = unfinish_degenerate(problem, [singles], rules, NOISE, 1)
+    assert [c.finished for c in again.candidates] == [False, False]
 
 
 @pytest.mark.parametrize(("partner", "needed"), [("sensor_lag", True), ("coulomb_friction", False)])

@@ -31,7 +31,7 @@ from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import contributions, ladder
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
-from dea.discrepancy.evidence.identifiability import visibility
+from dea.discrepancy.evidence.identifiability import most_visible
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
 from dea.discrepancy.evidence.null import null_gain
@@ -41,7 +41,7 @@ from dea.discrepancy.evidence.presence import (
     presence,
 )
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.evidence.transfer import leave_one_out
+from dea.discrepancy.evidence.transfer import leave_one_out, record_names
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
@@ -127,7 +127,7 @@ def diagnose(
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     rng = generator(settings.seed, settings.name, "diagnose")
     records = [signals_of(each, own) for each in _listed(record)]
-    others = _tested_all({} if test_records is None else test_records, own)
+    others = _tested_all({} if test_records is None else test_records, own, len(records))
     offered = _offered(settings.effects)
 
     # Split the record, and fit the simulation alone.
@@ -175,6 +175,7 @@ def diagnose(
     )
     noisy = problem.with_noise(evidence.floor)
     rungs = ladder(evidence, nominal, final, pool)
+    visible = (most_visible(noisy, nominal, c.fit, rules.detectable) for c in singles)
     return Diagnosis(
         problem=noisy,
         split=parts,
@@ -182,7 +183,7 @@ def diagnose(
         extended=final,
         final=on_whole_record(problem, final) if decision.answer else final,
         spread=evidence.held_out.spread(final),
-        singles=Singles(singles, gained, tuple(visibility(noisy, nominal, c.fit) for c in singles)),
+        singles=Singles(singles, gained, tuple(visible)),
         pool=tuple(pool),
         decision=decision,
         ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
@@ -224,13 +225,20 @@ def _certified(
 
 
 def _tested_all(
-    records: "Mapping[str, Record | xr.Dataset]", simulation: Simulation
+    records: "Mapping[str, Record | xr.Dataset]", simulation: Simulation, diagnosed: int
 ) -> dict[str, Samples]:
     if not isinstance(records, Mapping):
         raise InputError(
             f"it is {type(records).__name__}",
             field="test_records",
             remedy='Give them by name, as {"second": record}',
+        )
+    taken = [name for name in records if diagnosed > 1 and name in record_names(diagnosed)]
+    if taken:
+        raise InputError(
+            "that is the name of a record which is diagnosed",
+            field=f"test_records.{taken[0]}",
+            remedy="Give it another name",
         )
     return {name: _tested(name, record, simulation) for name, record in records.items()}
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, at
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import unabsorbed
 
@@ -39,3 +39,20 @@ def visibility(problem: Problem, before: Fit, candidate: Fit) -> Visibility:
     seen_best = int(left.argmax())
     size = float(np.sqrt(left[seen_best] / seen.sum()) / problem.noise)
     return Visibility(size, float(np.sqrt(left[seen_best] / max(energy[seen_best], 1e-300))))
+
+
+def most_visible(problem: Problem, before: Fit, candidate: Fit, enough: float) -> Visibility:
+    """Return the visibility of the effect at its fit or, where that is too little, at its starts.
+
+    An effect that is absent is fitted to where it does nothing, such as a stop beyond the motion,
+    and no parameter changes anything there: the record shows it all the same.
+    """
+    found = visibility(problem, before, candidate)
+    law = candidate.extended.attached[-1]
+    for start in law.effect.starts(law.scales):
+        if found.size >= enough:
+            break
+        values = np.concatenate([before.values, law.started(start)])
+        there = at(problem, candidate.extended, candidate.extended.coordinates(values))
+        found = max(found, visibility(problem, before, there), key=lambda each: each.size)
+    return found

@@ -10,6 +10,11 @@ from dea.simulation import samples_of_each
 _ITERATIONS = 10
 
 
+def record_names(count: int) -> list[str]:
+    """Return the names by which the records of a joint diagnosis are told."""
+    return [f"record_{number}" for number in range(1, count + 1)]
+
+
 def leave_one_out(problem: Problem, nominal: Fit, extended: Fit) -> dict[str, Certified]:
     """Compare both simulations on each of several records, fitted to the others alone.
 
@@ -17,11 +22,12 @@ def leave_one_out(problem: Problem, nominal: Fit, extended: Fit) -> dict[str, Ce
     course of what happens in one record alone. A single record leaves nothing to compare.
     """
     found = {}
-    for number, samples in enumerate(samples_of_each(nominal.extended.lengths), 1):
+    lengths = nominal.extended.lengths
+    for name, samples in zip(record_names(len(lengths)), samples_of_each(lengths), strict=True):
         record = np.zeros(problem.size, bool)
         record[samples] = True
         before, after = (_on(problem, record, each) for each in (nominal, extended))
-        found[f"record_{number}"] = Certified(before, after, int((record & problem.seen).sum()))
+        found[name] = Certified(before, after, int((record & problem.seen).sum()))
     return found
 
 

@@ -15,9 +15,10 @@ from dea.simulation import Effect, ExtendedSimulation, Scales, motion
 # that are used: both are ranked only roughly.
 _MORE = 1
 _USED = 2
-# Change of the output, in noise deviations, up to which a law does nothing; and the distance from
-# the prior, in spreads, at which it is looked for where there is no bound.
-_NOTHING, _FAR = 0.3, 6.0
+# Changes of the output, in noise deviations, up to which a law does nothing, and up to which no
+# better place is looked for; and the distance from the prior, in spreads, at which it is looked for
+# where there is no bound.
+_NOTHING, _SURELY_NOTHING, _FAR = 0.3, 0.02, 6.0
 
 
 @dataclass(frozen=True)
@@ -164,7 +165,7 @@ def screen(
 
 
 def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
-    """Return the start at which the law offered changes least, if it then hardly does.
+    """Return a start at which the law offered hardly changes anything, if there is one.
 
     One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
     zero, a limit beyond the range, a stiffness of nothing.
@@ -186,6 +187,8 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
                 if size < least:
                     least = size
                     found = Start(float(base.left @ base.left), base, extended, moved)
+                    if size < _SURELY_NOTHING * noise:
+                        return found
     return found
 
 
