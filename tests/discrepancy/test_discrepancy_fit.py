@@ -432,6 +432,25 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     assert found.status == expected
 
 
+@pytest.mark.parametrize(
+    ("elsewhere", "after", "expected"),
+    [(9.0, 8.9, "unknown"), (9.0, 8.0, "named"), (17.0, 8.9, "unknown"), (19.0, 8.9, "named")],
+)
+def test_an_answer_must_reduce_a_gap_that_is_as_large_on_the_certified_samples(
+    elsewhere, after, expected
+):
+    """Of 9 noise levels there; a limit that is rarely reached need not be reached there."""
+    problem, extended = carriage(8)
+    fitted = at(problem, extended, np.zeros(extended.free.size))
+    nominal, final = (
+        replace(fitted, residual=np.where(problem.certify, there, else_))
+        for there, else_ in ((9.0, elsewhere), (after, 1.0))
+    )
+    evidence = replace(judged_by(problem, extended, noise=1.0), nominal=nominal)
+    named = Decision(Status.NAMED, Candidate(final, 1.0, 1.0, 0.0))
+    assert confirmed(named, evidence, final, {}, {}).status == expected
+
+
 @pytest.mark.parametrize(("certified", "expected"), [(1.7, "none"), (2.0, "unknown")])
 @pytest.mark.parametrize("reason", [Reason.NOISE, Reason.IRREDUCIBLE, Reason.COLOURED])
 def test_certified_noise_is_compared_with_that_of_the_other_samples(reason, certified, expected):

@@ -662,6 +662,21 @@ def test_an_effect_that_is_likelier_leads_one_of_its_family(other, weight, statu
     assert found.rivals == ((chosen,) if status == "ambiguous" else ())
 
 
+@pytest.mark.parametrize("with_it", [0.60, 0.93])
+def test_an_uncertain_answer_does_not_exclude_an_effect_that_is_certain(with_it):
+    """A delay is in every likely explanation, beside a lag or beside a second mode."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen = candidate(1.1, "sensor_lag")
+    lag = candidate(1.001, "sensor_lag", "transport_delay")
+    mode = candidate(1.002, "second_mode", "transport_delay")
+    weighed = Presence((lag, mode, chosen), np.array([with_it, 0.99 - with_it, 0.01]))
+    found = decide(evidence, chosen, [lag, mode, chosen], [chosen], weighed)
+    names = found.answer.effects if found.answer else frozenset()
+    assert found.answer is (chosen if with_it > 0.9 else found.answer)
+    assert with_it > 0.9 or "transport_delay" in names
+
+
 def test_a_name_that_the_evidence_is_against_is_not_given():
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())

@@ -9,8 +9,11 @@ from dea.discrepancy.evidence.certificate import Certified, certify, contradicti
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
+from dea.discrepancy.rules import misfit
 
 _CERTIFIED = "certified samples"
+# Part of the gap elsewhere from which the gap on the certified samples must be reduced.
+_AS_LARGE = 0.5
 
 
 def confirmed(
@@ -40,7 +43,7 @@ def confirmed(
     noise = decision.noise(rules, evidence.floor)
     block = certify(problem, nominal, final)
     most = max(noise, rules.near * answer.rmse) if final is not answer.fit else np.inf
-    if block.after > most:
+    if block.after > most or _unimproved(evidence, block):
         contradicted = {_CERTIFIED: block}
         return Decision(
             Status.UNKNOWN, answer, reason=Reason.CONTRADICTED, contradicted=contradicted
@@ -54,3 +57,11 @@ def confirmed(
         if against:
             return Decision(Status.UNKNOWN, answer, reason=reason, contradicted=against)
     return decision
+
+
+def _unimproved(evidence: Evidence, block: Certified) -> bool:
+    """Return whether a gap as large on the certified samples as elsewhere is not reduced there."""
+    rules, floor = evidence.rules, evidence.floor
+    before, after = misfit(block.before, floor), misfit(block.after, floor)
+    elsewhere = misfit(evidence.nominal_error, floor)
+    return before > _AS_LARGE * elsewhere and after > (1.0 - rules.margin) * before

@@ -36,6 +36,8 @@ def decide(
     error, rules, alone = evidence.nominal_error, evidence.rules, evidence.nominal
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
+    if chosen is not None:
+        chosen = _with_what_is_certain(weighed, chosen, rules.certain)
     surest = _surest(weighed, chosen, rules.certain)
     if surest is not None and _stands_alone(evidence, surest, pool, weighed):
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
@@ -80,6 +82,17 @@ def decide(
 def _ambiguous(several: Sequence[Candidate], leading: Candidate) -> Decision:
     others = tuple(c for c in several if c is not leading)
     return Decision(Status.AMBIGUOUS, leading, others, Reason.RIVAL)
+
+
+def _with_what_is_certain(weighed: Presence, chosen: Candidate, certain: float) -> Candidate:
+    """Return the likeliest set that holds all certain effects and more, for one that lacks some.
+
+    An explanation that is not certain itself then stands for another one beside them.
+    """
+    others = weighed.sure(certain) - chosen.effects
+    if not others or weighed.least_of(chosen) >= certain:
+        return chosen
+    return next((c for c in weighed.candidates if c.effects > others), chosen)
 
 
 def _surest(weighed: Presence, chosen: Candidate | None, certain: float) -> Candidate | None:
