@@ -93,13 +93,14 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     repeats what the other periods show would otherwise be predicted from them. Samples whose output
     lies far outside the outputs of the other folds are not held out: there a curve extrapolates,
     whether it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
-    Where each of the records ``courses`` has a course in time of its own, the blocks are short and
-    dealt singly.
+    Where each of the records ``courses`` has a course in time of its own, neighbours that span
+    about a tenth of it are.
     """
     short = [
-        [block]
+        group
         for own in courses
-        for block in problem.blocks(_OF_A_COURSE * (own.stop - own.start), own)
+        for length in [_OF_A_COURSE * (own.stop - own.start)]
+        for group in _spanning(problem.blocks(length, own), length)
     ]
     groups = short or [
         group
@@ -128,7 +129,7 @@ def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:
     return near
 
 
-def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
+def _spanning(blocks: list[slice], samples: float) -> list[list[slice]]:
     """Return consecutive blocks of a record in groups that span so many samples, three at least."""
     samples = min(samples, (blocks[-1].stop - blocks[0].start) // _LEAST_FOLDS)
     groups: list[list[slice]] = []
