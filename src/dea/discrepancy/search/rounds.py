@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from math import ceil
 
 import numpy as np
 
@@ -13,7 +14,15 @@ from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 from dea.discrepancy.search.not_offered import NotOffered, Obstacle, never_tried, places
-from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
+from dea.discrepancy.search.screening import (
+    Base,
+    Offer,
+    error_in,
+    first_steps,
+    further_steps,
+    promising,
+    refine,
+)
 from dea.simulation import (
     Effect,
     Scales,
@@ -24,6 +33,10 @@ from dea.simulation import (
 # These share out the time of a diagnosis; no measurement of their values is recorded.
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
+# Effects that go on after the first steps, in the number of those that are fitted to the end. Of
+# eight records, the first six after these steps were among the first eight of 22 before them, and
+# the first four among the first five of eight.
+_AHEAD = 1.5
 # Leaders whose last steps have every column of the Jacobian computed anew; of second effects one.
 _POLISHED = 2
 # Part of the candidates that are fitted to the end where they are second effects: there is a round
@@ -97,7 +110,7 @@ class _Extending:
         return int(np.clip(_SHORT // self.problem.size, self.budget.kept, _MOST_KEPT))
 
     def _error(self, fitted: Fit) -> float:
-        return self.problem.seen_rmse(fitted.residual)
+        return error_in(self.problem)(fitted)
 
     def _each(
         self, attempt: Callable[[Item], Result], items: Sequence[Item], step: str
@@ -121,19 +134,29 @@ class _Extending:
         skipped += _refused(before, without_start, Obstacle.NO_START)
         if not self._first:
             offered = sorted(offered, key=lambda pair: pair[1][0].left)[: self.budget.offered]
-        spent = (self._kept, self.budget.screening)
         screened = self._each(
-            lambda pair: screen(problem, prepared[0], *pair, spent),
+            lambda pair: first_steps(problem, prepared[0], *pair, self.budget.screening),
             offered,
             "first steps of each effect",
         )
         unstable = [offer for (offer, _), fits in zip(offered, screened, strict=True) if not fits]
         skipped += _refused(before, unstable, Obstacle.UNSTABLE)
+        ahead = self._ranked(screened)
+        count = ceil(_AHEAD * self.count)
+        further = self._each(
+            lambda fits: further_steps(problem, fits, self._kept, self.budget.screening),
+            ahead[:count],
+            "further steps of the effects ahead",
+        )
         stable: dict[str, list[Fit]] = {}
-        for fits in sorted((f for f in screened if f), key=lambda fits: self._error(fits[0])):
+        for fits in self._ranked([*further, *(fits[: self._kept] for fits in ahead[count:])]):
             # An effect may be offered upstream and downstream of another; the better place goes on.
             stable.setdefault(fits[0].extended.label(fits[0].extended.attached[-1]), fits)
         return list(stable.values()), skipped
+
+    def _ranked(self, each: Sequence[list[Fit]]) -> list[list[Fit]]:
+        """Return the fits of each effect that has any, the effect with the best fit first."""
+        return sorted((fits for fits in each if fits), key=lambda fits: self._error(fits[0]))
 
     def finished(self, leaders: Sequence[Sequence[Fit]]) -> list[Fit]:
         """Return the leaders fitted: those near the best to the end, the first of them anew."""

@@ -1,4 +1,4 @@
-"""Screen an effect: fit it by a few cheap steps from its most promising starts."""
+"""Screen an effect: fit it by a few steps from its most promising starts."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -132,36 +132,44 @@ def _promised(problem: Problem, base: Base, extended: ExtendedSimulation, law: n
     return Start(float(base.left @ base.left - explained), base, extended, placed)
 
 
-def screen(
-    problem: Problem, base: Base, offer: Offer, starts: Sequence[Start], budget: tuple[int, int]
+def first_steps(
+    problem: Problem, base: Base, offer: Offer, starts: Sequence[Start], steps: int
 ) -> list[Fit]:
-    """Fit an effect from its ``starts``; return at most so many stable fits, best first.
+    """Fit an effect from its ``starts`` by a few cheap steps; return the stable fits, best first.
 
-    ``budget`` is the number of fits to return and of the steps of each. The first steps use the
-    start's Jacobian for all parameters that its base has; the best fits get steps with a Jacobian
-    of their own. Parameters that shape a law are held. No fit needs to end worse than ``base``.
+    They use the start's Jacobian for all parameters that its base has. Parameters that shape a law
+    are held. No fit needs to end worse than ``base``.
     """
-    kept, steps = budget
 
-    def error(candidate: Fit) -> float:
-        return problem.seen_rmse(candidate.residual)
-
-    def first_steps(start: Start) -> Fit:
+    def fitted(start: Start) -> Fit:
         columns = Columns(held=start.extended.shapes, kept=start.base.fit.jacobian)
         return fit(problem, start.extended, start.coordinates, iterations=steps, columns=columns)
 
-    cheap = [first_steps(start) for start in starts]
-    if min(map(error, cheap), default=0.0) > error(base.fit):
+    found = [fitted(start) for start in starts]
+    error = error_in(problem)
+    if min(map(error, found), default=0.0) > error(base.fit):
         # Where it does nothing, a law leaves the simulation's own fit.
         nothing = where_it_does_nothing(problem, base, offer)
-        cheap += [] if nothing is None else [first_steps(nothing)]
-    cheap.sort(key=error)
-    whole = [
+        found += [] if nothing is None else [fitted(nothing)]
+    return sorted((each for each in found if each.stable), key=error)
+
+
+def further_steps(problem: Problem, found: Sequence[Fit], kept: int, steps: int) -> list[Fit]:
+    """Continue first steps, best first, with a Jacobian of their own; return at most ``kept``.
+
+    Those found are returned where every one runs away.
+    """
+    again = [
         refine(problem, each, steps, each.extended.shapes)
-        for each in cheap[: min(kept, _USED + _MORE)]
-        if each.stable
+        for each in found[: min(kept, _USED + _MORE)]
     ]
-    return sorted((each for each in whole if each.stable), key=error)[:kept]
+    stable = sorted((each for each in again if each.stable), key=error_in(problem))
+    return (stable or list(found))[:kept]
+
+
+def error_in(problem: Problem) -> Callable[[Fit], float]:
+    """Return what gives the error of a fit over the samples of a problem that are seen."""
+    return lambda fitted: problem.seen_rmse(fitted.residual)
 
 
 def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
