@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, Quality, ReadBackError, acquire
+from dea.acquisition import AcquisitionSettings, LinkSettings, Quality, ReadBackError, acquire
 from dea.acquisition.buffered import Reply, _Playback
 from dea.acquisition.laws import Laws
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import Echo
+from dea.acquisition.samples import BrokenRecordError
 from dea.modbus import DeviceState, Origin, read_device
 from served_bench import DESCRIPTION
 
@@ -96,20 +97,24 @@ class Exchange:
         return answer(0, 0, Origin.REST, [])
 
 
-def answer(index, position, origin, applied):
+def answer(index, position, origin, applied, state=DeviceState.RUNNING):
     values = np.array(applied, int)
     end = index + values.size
-    return Reply(0, index, position, end, origin, DeviceState.RUNNING, 0, values, values)
+    return Reply(0, index, position, end, origin, state, 0, values, values)
+
+
+def playing(monkeypatch, counts):
+    """Return the progress of a sequence on a device that has measured nothing yet."""
+    monkeypatch.setattr("dea.acquisition.buffered.BlockExchange", Exchange)
+    link = MemoryLink(read_device(DESCRIPTION), fifo_length=512, watchdog_time=1.0, boot=7)
+    link.log, link.settings = LinkLog(), LinkSettings(reconnect_time=2.0)
+    panel = Panel(link)
+    return _Playback(panel, np.array(counts), Laws(panel), Echo(panel, "applied_output", 0.05))
 
 
 def test_an_empty_fifo_at_zero_volts_is_held_between_samples_that_are_played(monkeypatch):
     """Before the first, the device rests."""
-    monkeypatch.setattr("dea.acquisition.buffered.BlockExchange", Exchange)
-    link = MemoryLink(read_device(DESCRIPTION), fifo_length=512, watchdog_time=1.0, boot=7)
-    link.log = LinkLog()
-    panel, counts = Panel(link), np.array([5, 0, 6])
-    echo = Echo(panel, "applied_output", 0.05)
-    playback = _Playback(panel, counts, Laws(panel), echo)
+    playback = playing(monkeypatch, [5, 0, 6])
     assert playback.collect(answer(0, 0, Origin.REST, [0, 0])) is None
     assert playback.collect(answer(2, 0, Origin.PLAYED, [5, 0])).quality.tolist() == [0, 0]
     held = playback.collect(answer(4, 2, Origin.REST, [0, 0, 0]))
@@ -118,3 +123,18 @@ def test_an_empty_fifo_at_zero_volts_is_held_between_samples_that_are_played(mon
     assert held.device_index.tolist() == [4, 5, 6]
     last = playback.collect(answer(7, 2, Origin.PLAYED, [6]))
     assert (last.position.tolist(), last.quality.tolist()) == ([2], [0])
+
+
+def test_a_device_that_is_stopped_at_zero_volts_ends_the_record(monkeypatch):
+    playback = playing(monkeypatch, [5, 0, 6])
+    playback.collect(answer(0, 0, Origin.PLAYED, [5, 0]))
+    with pytest.raises(BrokenRecordError, match="took its output to zero") as caught:
+        playback.collect(answer(2, 2, Origin.REST, [0, 0], DeviceState.IDLE))
+    assert (caught.value.first, caught.value.count) == (2, 1)
+
+
+def test_a_device_that_only_rests_after_its_start_stands_still(monkeypatch):
+    playback = playing(monkeypatch, [5, 0, 6])
+    playback.moved -= playback.panel.link.settings.reconnect_time + 1.0
+    with pytest.raises(BrokenRecordError, match="stands still"):
+        playback.collect(answer(0, 0, Origin.REST, [0, 0], DeviceState.IDLE))

@@ -156,18 +156,21 @@ class _Playback:
             return None
         if reply.index > self.wanted:
             raise self._broken("overwritten before they were read", reply.index - self.wanted)
-        if reply.applied.size:
+        resting, empty = reply.origin == Origin.REST, not reply.applied.size
+        if not (resting or empty):
             self.moved = time.monotonic()
-        elif reply.state == DeviceState.TRIPPED:
+        elif empty and reply.state == DeviceState.TRIPPED:
             raise self._broken(UNDRIVEN)
-        elif self.refusal is not None:
+        elif empty and self.refusal is not None:
             raise self._broken(str(self.refusal))
         elif time.monotonic() - self.moved > self.panel.link.settings.reconnect_time:
             raise self._broken("the device stands still")
         if reply.origin == Origin.PLAYED and reply.applied.size and reply.position != self.done:
             raise self._misplaced()
-        resting = reply.origin == Origin.REST and reply.state == DeviceState.RUNNING
-        if resting and self.done:  # the FIFO has run empty at zero volts, within the sequence
+        if resting and self.done and not empty:
+            if reply.state != DeviceState.RUNNING:
+                raise self._broken(UNDRIVEN)
+            # The FIFO has run empty at zero volts, within the sequence.
             reply = replace(reply, origin=Origin.HELD)
         now = time.monotonic() - self.panel.link.log.started
         samples = _samples(reply, self.counts, self.echo, now)

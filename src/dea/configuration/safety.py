@@ -82,7 +82,11 @@ class FilmCapacitor(Section):
 
 
 class Safety(Section):
-    """What is checked with every sample; a violation zeroes the output and latches a trip."""
+    """What keeps a drive safe: some of it is checked with every sample, the rest before the drive.
+
+    A violation of a monitor, the current or an interlock within a drive zeroes the output and
+    latches a trip.
+    """
 
     max_rate: Positive | None = key(
         "largest rate of change of the output, of ramps and excitation", unit="V/s", default=None
