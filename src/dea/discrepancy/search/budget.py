@@ -57,7 +57,7 @@ class Budget:
         Factor by which an exchange must lower the error of the best pair for another one.
     restarted
         Leading candidates that are fitted once more, with the simulation's parameters at their
-        prior means, where the best one leaves more than ``exchange_above`` floors.
+        prior means, if they are near the leader and it leaves more than ``exchange_above`` floors.
     decimated
         A record of at least twice as many samples is decimated to no fewer, where it is sampled
         much faster than it moves, and than the simulation takes steps.

@@ -154,7 +154,9 @@ class Search:
         The first ones whatever is left: what they leave may look like noise because their laws
         were shaped in the wrong place.
         """
-        leading, found = finished_of(rounds)[: self.budget.restarted], list(rounds)
+        finished, found = finished_of(rounds)[: self.budget.restarted], list(rounds)
+        limit = self.budget.near * min((c.error for c in finished), default=0.0)
+        leading = [c for c in finished if c.error <= limit]
         if leading and leading[0].rmse > self.budget.exchange_above * self._lowest_level(leading):
             step = "leading candidates from the prior means of the simulation"
             found = self._fitted_anew(found, leading, from_prior_means, step)
