@@ -173,9 +173,12 @@ def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
     attached = list(found.extended.attached)
     law = attached[index] = replace(attached[index], effect=attached[index].effect.at_limit())
     limit = replace(found.extended, attached=tuple(attached))
-    again = fit(problem, limit, limit.coordinates(found.values), iterations=_STEPS)
+    own = limit.effect_slices[index]
+    columns = Columns(slow=int(np.sum(limit.free < own.start)))
+    start = limit.coordinates(found.values)
+    again = fit(problem, limit, start, iterations=_STEPS, columns=columns)
     if not again.stable:
         values = found.values.copy()
-        values[limit.effect_slices[index]] = [parameter.nominal for parameter in law.parameters]
+        values[own] = [parameter.nominal for parameter in law.parameters]
         again = fit(problem, limit, limit.coordinates(values), iterations=_STEPS)
     return again

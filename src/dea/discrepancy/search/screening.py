@@ -173,7 +173,7 @@ def error_in(problem: Problem) -> Callable[[Fit], float]:
 
 
 def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
-    """Return a start at which the law offered hardly changes anything, if there is one.
+    """Return a start at which the law offered hardly changes anything, the first that is found.
 
     One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
     zero, a limit beyond the range, a stiffness of nothing.
@@ -183,9 +183,9 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
     first = base.fit.coordinates.size
     low, high = extended.bounds
     seen, noise = problem.seen, problem.noise
-    least, found = _NOTHING * noise, None
     for start in offer.effect.starts(law.scales):
         placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+        least, found = _NOTHING * noise, None
         for i in range(first, placed.size):
             for end in (max(low[i], -_FAR), min(high[i], _FAR)):
                 moved = placed.copy()
@@ -197,7 +197,9 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
                     found = Start(float(base.left @ base.left), base, extended, moved)
                     if size < _SURELY_NOTHING * noise:
                         return found
-    return found
+        if found is not None:
+            return found
+    return None
 
 
 def refine(
