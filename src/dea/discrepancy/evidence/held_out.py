@@ -17,6 +17,8 @@ _BEYOND = 0.1
 # Part of a record that is held out at once of what follows a course in time: about a piece of a
 # drift's spline. Of shorter blocks a drift may also interpolate what follows the input.
 _OF_A_COURSE = 0.1
+# Part of that length from which a block needs no neighbour; cutting gives three quarters or more.
+_NEARLY = 0.7
 
 
 class HeldOut:
@@ -100,7 +102,7 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
         group
         for own in courses
         for length in [_OF_A_COURSE * (own.stop - own.start)]
-        for group in _spanning(problem.blocks(length, own), length)
+        for group in _spanning(problem.blocks(length, own), _NEARLY * length)
     ]
     groups = short or [
         group
