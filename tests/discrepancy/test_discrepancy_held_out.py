@@ -1,7 +1,6 @@
 """What is predicted of blocks that a fit has not seen."""
 
 from dataclasses import replace
-from itertools import groupby
 
 import numpy as np
 import pytest
@@ -127,23 +126,3 @@ def test_short_blocks_are_a_tenth_of_their_record_and_dealt_once(records):
     assert (np.array(dealt).sum(0) == problem.seen).all()
     assert longest(dealt) <= 0.12 * length
     assert longest(folds(problem)) > 0.15 * length
-
-
-def test_short_neighbours_are_held_out_together_until_they_span_a_tenth():
-    """Blocks of a device that forgets at once are a twenty-first of the record."""
-    length = 2100
-    u = np.random.default_rng(3).uniform(-2, 2, length)
-    parts = split(u, INTERVAL, 0.01)
-    problem = Problem(u, u, INTERVAL, parts.fit, parts.select, parts.certify, NOISE)
-    blocks = runs(problem.seen)
-    assert max(block.stop - block.start for block in blocks) < 0.05 * length
-    dealt = folds(problem, [slice(0, length)])
-    assert (np.array(dealt).sum(0) == problem.seen).all()
-    of_block = [next(i for i, mask in enumerate(dealt) if mask[b.start]) for b in blocks]
-    stretches = [
-        [block for _, block in group]
-        for _, group in groupby(zip(of_block, blocks, strict=True), key=lambda pair: pair[0])
-    ]
-    spans = [group[-1].stop - group[0].start for group in stretches[:-1]]
-    assert min(spans) >= 0.07 * length
-    assert max(spans) <= 0.15 * length + parts.certify.sum()

@@ -14,11 +14,9 @@ from dea.discrepancy.problem import Problem
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
 # Part of the output's range by which samples that are held out may reach beyond the others.
 _BEYOND = 0.1
-# Part of a record that is held out at once of what follows a course in time: about a piece of a
-# drift's spline. Of shorter blocks a drift may also interpolate what follows the input.
+# Part of a record that a block holds at most of which what follows a course in time is held out:
+# about a piece of a drift's spline.
 _OF_A_COURSE = 0.1
-# Part of that length from which a block needs no neighbour; cutting gives three quarters or more.
-_NEARLY = 0.7
 
 
 class HeldOut:
@@ -95,14 +93,13 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     repeats what the other periods show would otherwise be predicted from them. Samples whose output
     lies far outside the outputs of the other folds are not held out: there a curve extrapolates,
     whether it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
-    Where each of the records ``courses`` has a course in time of its own, neighbours that span
-    about a tenth of it are.
+    Where each of the records ``courses`` has a course in time of its own, the blocks are short and
+    dealt singly.
     """
     short = [
-        group
+        [block]
         for own in courses
-        for length in [_OF_A_COURSE * (own.stop - own.start)]
-        for group in _spanning(problem.blocks(length, own), _NEARLY * length)
+        for block in problem.blocks(_OF_A_COURSE * (own.stop - own.start), own)
     ]
     groups = short or [
         group
@@ -131,7 +128,7 @@ def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:
     return near
 
 
-def _spanning(blocks: list[slice], samples: float) -> list[list[slice]]:
+def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
     """Return consecutive blocks of a record in groups that span so many samples, three at least."""
     samples = min(samples, (blocks[-1].stop - blocks[0].start) // _LEAST_FOLDS)
     groups: list[list[slice]] = []
