@@ -15,6 +15,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from dea.acquisition import buffered, polled
@@ -34,7 +35,6 @@ from dea.acquisition.retrying_link import (
     DeviceRefusedError,
     Link,
     LinkError,
-    LinkSettings,
     StoppedError,
 )
 from dea.acquisition.samples import DrivenSamples
@@ -360,9 +360,7 @@ class Guardian:
         """Take the output to zero, whatever fails and however long it takes."""
         # Each attempt is short: what repeats them is the loop below.
         retries = min(self.job.settings.retries, ZERO_RETRIES)
-        self.link.settings = LinkSettings(
-            timeout=self.job.settings.timeout, retries=retries, reconnect_time=0.0
-        )
+        self.link.settings = replace(self.job.settings, retries=retries, reconnect_time=0.0)
         self.link.longest_repetition = math.inf
         self.link.on_connect = self.output.reclaim
         way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
