@@ -17,9 +17,9 @@ _PER_PERIOD, _BAND = 10.0, 0.999
 # Weights of six means over intervals in a row in the value between the third and the fourth, which
 # they give exactly for a polynomial of degree five.
 _VALUE_BETWEEN_MEANS = np.array([1.0, -8.0, 37.0, 37.0, -8.0, 1.0]) / 60.0
-# Part of the squared error of another interpolation that a smooth one leaves of a smooth input.
+# ``smooth`` is chosen if its squared error is below this part of that of the other interpolation.
 _CLOSER = 0.1
-# What the output may hold above the highest frequency that is kept, in its white noise.
+# RMS that the output may have above the highest frequency kept, in units of its white noise there.
 _ABOVE = 2.0
 
 
@@ -36,10 +36,10 @@ def decimation_of(records: Sequence[Samples], size: int) -> int:
 def interpolation_of(
     records: Sequence[Samples], factor: int, recorded: InputInterpolation
 ) -> InputInterpolation:
-    """Return what interpolation decimated inputs need to be as they were recorded.
+    """Return the input interpolation that best restores the recorded inputs after decimation.
 
-    Where a smooth one comes much closer than that of the samples ``recorded``, it is smooth. About
-    a jump it rings, and comes hardly closer.
+    It is ``smooth`` if that leaves much less error than the interpolation ``recorded``; otherwise
+    it is ``recorded``. At a jump of the input, ``smooth`` rings and is hardly better.
     """
 
     def error(how: InputInterpolation) -> float:
@@ -58,10 +58,10 @@ def decimated(
 ) -> Samples:
     """Return a record with every ``factor``-th sample of its output.
 
-    An input that is held between samples, as ``recorded`` tells and ``how`` goes on, becomes its
-    mean over the longer interval, which moves a device that is slow beside it as far. One that is
-    held as recorded, and smooth from now on, takes the values whose means over the longer intervals
-    are these. Another one is taken where the output is.
+    ``recorded`` and ``how`` are the interpolation of the input before and after. If both hold it,
+    each new sample is the mean of the input over the longer interval, which moves a slow device as
+    far. If it was held and becomes smooth, the new samples are such that their means over the
+    longer intervals are these means. Any other input is sampled at the instants of the output.
     """
     u = joined([_fewer(each, factor, recorded, how) for each in by_input(record.u)])
     return Samples(u, _whole(record.y, factor)[::factor], record.interval * factor)

@@ -33,8 +33,9 @@ class Rules:
     Parameters
     ----------
     margin
-        Part of the held-out error that an effect must remove, at the lower end of its interval. Of
-        further effects it is the error where they were fitted, and that held out must fall at all.
+        Part of the held-out error that an effect must remove, at the lower end of its interval. A
+        further effect must remove this part of the error on the samples fitted to; the held-out
+        error need only fall.
     clean
         Residual, in floors, up to which a record counts as explained.
     misfit
@@ -90,7 +91,7 @@ class Rules:
         the law could do besides hardly counts against it.
     likely
         Presence from which an effect, or a family, is called likely. Others are not named, unless
-        they leave noise alone and their absence is not certain.
+        they leave only noise and their absence is not certain.
     poor
         Certified error, in what a complete simulation leaves, above which a law is called too poor.
     detectable
@@ -144,7 +145,7 @@ class Rules:
         return (1.0 - self.predictable) / max(effects, 1)
 
     def completes(self, error: float, before: float, floor: float) -> bool:
-        """Return whether noise alone is left where there was more ``before``."""
+        """Return whether an error is only noise where the error ``before`` was more."""
         return error <= self.clean * floor and before > self.grow * floor
 
     def removes_energy(self, error: float, before: float) -> bool:
@@ -152,7 +153,10 @@ class Rules:
         return error**2 <= (1.0 - self.part) * before**2
 
     def leaves(self, part: float, error: float, nominal_error: float, floor: float) -> bool:
-        """Return whether an error leaves more than noise, and more than a ``part`` of the gap."""
+        """Return whether an error leaves more than noise and more than a ``part`` of the gap.
+
+        It must also exceed ``grow`` floors, or leave more than ``misfit`` of the gap.
+        """
         if error <= self.clean * floor:
             return False
         left, whole = misfit(error, floor), misfit(nominal_error, floor)

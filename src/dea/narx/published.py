@@ -16,7 +16,7 @@ def load_published(path: str | Path) -> dict[str, NarxModel]:
     InputError
         Naming the file and the model, for text that is no term or no number.
     """
-    # pydantic takes long to import, and most who import this room read no published model.
+    # pydantic takes long to import, and most who import this package read no published model.
     from dea.configuration.files import read_yaml
     from dea.configuration.problems import validated
     from dea.configuration.published import PublishedModels

@@ -1,4 +1,4 @@
-"""What becomes an array, in this room."""
+"""The type of values from which the modules of this package make arrays."""
 
 from collections.abc import Sequence
 

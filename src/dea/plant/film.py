@@ -47,8 +47,8 @@ class FilmState(NamedTuple):
     ``scalars``, shape (7,), holds displacement (m), velocity (m/s), film voltage (V), time (s),
     fault, in-plane stretch and vertical stiffness (N/m; 0 where it is not known yet) at the places
     Y to STIFFNESS. ``branches`` holds q = 1/ξ² of every Maxwell
-    branch, ``slopes`` its derivative in the middle of the last sub-step, ``middle`` is room for its
-    value there; all three have the shape (branches, ZONES, 2).
+    branch, ``slopes`` its derivative in the middle of the last sub-step, ``middle`` is scratch
+    space for its value there; all three have the shape (branches, ZONES, 2).
     """
 
     scalars: Array

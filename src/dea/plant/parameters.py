@@ -73,7 +73,7 @@ def _parameters(plant: Plant) -> Parameters:
 
 
 def _values(section: Section) -> dict[str, Any]:
-    """Return the values as compiled functions take them, which a whole number compiles anew."""
+    """Return the values as floats: compiled functions would be compiled again for an integer."""
     return {
         name: np.array(value, dtype=np.float64) if isinstance(value, list) else float(value)
         for name, value in section

@@ -50,7 +50,8 @@ class ForceSlots:
             if divisor is not None:
                 normalisations[slot, 2] /= p[divisor]
             parameters[slot, : q.size] = q
-            # Without a place to come to rest at, a force that is kept would drive the device on.
+            # The memory is held during the lead-in, unless the port has no position: there a
+            # constant force would keep the device moving, as nothing brings it to rest.
             still[slot] = a.effect.remembers_motion and ports[slot, 1] >= 0
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)

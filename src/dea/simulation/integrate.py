@@ -99,7 +99,7 @@ def integrate(
     p_drive = p[drive]
     x[:] = values.initial
     typical[:] = np.abs(x) + 1e-6
-    # No secant is longer than the least one before there is a Jacobian.
+    # Until there is a Jacobian, -inf gives every finite difference its smallest step.
     J[:] = -np.inf
     pushes = np.zeros(SLOTS)
     h = interval / substeps

@@ -21,8 +21,8 @@ _STILL = 0.3
 # Prior spread of the time by which the output is logged late, in sampling intervals: with the three
 # spreads that a parameter may move, a good sample either way.
 _TIMING = 0.4
-# Rate of decay, as a part of the largest eigenvalue, that a derivative by differences may give an
-# integrator.
+# Decay rate, relative to the largest eigenvalue, up to which it is a rounding error of the finite
+# differences, and the mode an integrator.
 _ROUNDING = 1e-9
 # Numbers of integration steps per sample that are tried, coarsest first.
 _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
@@ -150,10 +150,11 @@ def _while_settled(
     interval: float,
     tolerance: float,
 ) -> ExtendedSimulation:
-    """Return the simulation with the steps that suffice until its motion parts from itself.
+    """Return the simulation with steps fine enough for the samples at which the runs converge.
 
-    A pendulum that swings over the top depends on every step, however short: the finest would only
-    slow down all fits, most of which stay below. Where finer steps do help, the finest are kept.
+    When a pendulum swings over the top depends on every step, however short: the finest steps would
+    only slow down all fits, in most of which it does not swing over. If finer steps still reduce
+    the error, the finest are kept.
     """
     tried = (1, *_SUBSTEPS)
     runs = [replace(extended, substeps=s).simulate(values, u, interval) for s in tried]

@@ -29,7 +29,7 @@ class Filtered(NamedTuple):
 class Adjoint(NamedTuple):
     """What the samples from one on tell of the parameters: r (p,) and N (p, p).
 
-    ``product`` (p,) is room for that of N and a gain.
+    ``product`` (p,) is scratch space for the product of N and a gain.
     """
 
     r: Array

@@ -48,7 +48,7 @@ class RlsState(NamedTuple):
     ``U`` (p, p) and ``z`` (p,) are U_n b = z of b = theta - target, so that the leakage pulls b to
     zero; ``V`` (p, p) is the transposed inverse of U, ``theta`` (p,) the estimate, ``sums`` (2,)
     the least weighted sum of squares, with those of the pulls, and the weight of the samples;
-    ``row`` (p,) is room for a rotation.
+    ``row`` (p,) is scratch space for a rotation.
     """
 
     U: Array

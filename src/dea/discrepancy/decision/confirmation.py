@@ -27,10 +27,10 @@ def confirmed(
 
     They choose nothing. ``final`` is the fit of the answer, with its events dated, or of the
     simulation alone; certified samples that dated an event must leave about as little as the seen
-    ones. ``left_out`` are the errors on records of a joint diagnosis that were left
-    out in turn, ``tested`` those on test records. These do not contradict ``none``, which says what
-    the records that were diagnosed could show; the certified samples do, where they leave much more
-    than the others, of which coloured noise leaves more in one place than in another.
+    ones. ``left_out`` are the errors on the records of a joint diagnosis, each left out in turn;
+    ``tested`` are those on test records. Neither contradicts ``none``, which says what the
+    diagnosed records could show. The certified samples contradict ``none`` only if they leave much
+    more than the others, since the level of coloured noise varies along a record.
     """
     problem, nominal, rules = evidence.problem, evidence.nominal, evidence.rules
     answer = decision.answer

@@ -85,9 +85,10 @@ def _ambiguous(several: Sequence[Candidate], leading: Candidate) -> Decision:
 
 
 def _with_what_is_certain(weighed: Presence, chosen: Candidate, certain: float) -> Candidate:
-    """Return the likeliest set that holds all certain effects and more, for one that lacks some.
+    """Return the likeliest set with every certain effect that the chosen one lacks, if any does.
 
-    An explanation that is not certain itself then stands for another one beside them.
+    A chosen candidate that is itself certain is returned as it is; otherwise it may stand for a
+    further effect beside the certain ones.
     """
     others = weighed.sure(certain) - chosen.effects
     if not others or weighed.least_of(chosen) >= certain:
@@ -96,10 +97,10 @@ def _with_what_is_certain(weighed: Presence, chosen: Candidate, certain: float) 
 
 
 def _surest(weighed: Presence, chosen: Candidate | None, certain: float) -> Candidate | None:
-    """Return the candidate that the evidence leaves alone, if there is one.
+    """Return the candidate with nearly all of the weight, if there is one.
 
-    The weight of a single effect that is chosen is also that of larger sets which hold it, of which
-    none is accepted.
+    Otherwise it is the chosen candidate, if that is a single effect with a certain presence: larger
+    sets that contain it, none of which is accepted, may hold part of its weight.
     """
     alone = weighed.surest(certain)
     if alone is not None or chosen is None or len(chosen.names) > 1:
@@ -146,14 +147,14 @@ def _beside_rivals(
 def _stands_alone(
     evidence: Evidence, surest: Candidate, pool: Sequence[Candidate], weighed: Presence
 ) -> bool:
-    """Return whether the explanation that the evidence leaves alone is good enough to be named.
+    """Return whether a candidate with nearly all of the weight is good enough to be named.
 
-    Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
-    alone must leave more than noise, and no other single effect nearly the same misfit, unless that
-    predicts blocks left out much worse. A pair can overfit the samples it was fitted to: no other
-    may have nearly its error, unless that one predicts blocks left out worse and has a family in
-    common with it. What unlike pairs explain alike is explained by none of them. A part must leave
-    room for the rest.
+    It need not predict blocks left out better than its rivals: there may be few such blocks. The
+    simulation alone must leave more than noise. Against a single effect, no other one may have
+    nearly the same misfit, unless that other one predicts blocks left out much worse. A pair can
+    overfit: no other pair may have nearly the same error, unless that other pair shares a family
+    with it and predicts blocks left out worse. If two pairs without a common family fit equally
+    well, neither is the explanation. A subset of its effects must leave room for the others.
     """
     rules, floor = evidence.rules, evidence.floor
     before, stated = evidence.nominal_error, evidence.stated_floor

@@ -14,8 +14,8 @@ from dea.discrepancy.problem import Problem
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
 # Part of the output's range by which samples that are held out may reach beyond the others.
 _BEYOND = 0.1
-# Part of a record that a block holds at most of which what follows a course in time is held out:
-# about a piece of a drift's spline.
+# Longest block, as a part of its record, that is held out of an extension with a course in time:
+# about one piece of a drift's spline.
 _OF_A_COURSE = 0.1
 
 

@@ -20,8 +20,8 @@ _DRAWS, _SIGNIFICANCE = 200, 0.05
 # blocks of a 150th of the record, chance was called a concentration in 30 % of series of 3000
 # samples with a memory of 50, and in 95 % of those with one of 200, instead of 5 %.
 _MEMORIES, _FEWEST = 8, 10
-# Memories in the shortest record whose energy is shifted: fewer are fewer independent shifts than
-# a level of one in twenty has to be learned from.
+# Least length, in memories, of a record whose energy is shifted. A shorter record has too few
+# independent shifts for a test at a level of 5 %.
 _FEWEST_SHIFTS = 20
 # The sum of an autocorrelation ends at the first lag of so many times its value.
 _WINDOW = 5
@@ -308,8 +308,8 @@ def _memory(residual: np.ndarray) -> float:
     """Return how many samples of a residual's energy count as one; at most all of them.
 
     The energy of a Gaussian residual has the square of its autocorrelation (Isserlis 1918,
-    Biometrika 12:134). A change of the level prolongs the memory of the energy alone, a periodic
-    residual that of the square alone: the shorter one is meant by chance.
+    Biometrika 12:134). A change of the level prolongs the memory of the energy only, a periodic
+    residual that of the squared autocorrelation only: the shorter one is that of the random part.
     """
     times = _integral_time(residual**2, 1), _integral_time(residual, 2)
     return min(*times, residual.size)

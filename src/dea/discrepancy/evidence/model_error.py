@@ -62,8 +62,8 @@ def model_error(
     """
     left = misfit(_rms(best), noise)
     expected = law_error * misfit(_rms(before), noise)
-    # What is left shows the memory, the less of it there is the less surely: the error of a law
-    # that cannot be seen is taken to be as long as the gap.
+    # The smaller the error that is left, the less surely the residual shows its memory. An error
+    # that is too small to be seen is given the memory of the residual of the simulation alone.
     sure = min(left / expected, 1.0) if expected > 0.0 else 1.0
     long, short = (_memory_beside(residual, noise) for residual in (before, best))
     return ModelError(

@@ -44,9 +44,9 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) 
     density
         Variance of their error.
     shaped
-        Probability that a shape of a law is other than expected. A shape that is as expected has no
-        freedom, but the error of the fit without it, by a linear step, counts. Summed are the best
-        of the laws that differ so, and those that differ from it in one shape.
+        Probability that a shape of a law is not at its prior mean. A shape held at its prior mean
+        has no freedom, but the error of the fit without it, by a linear step, counts. The evidence
+        of the best choice of free shapes, and of those that differ from it in one, is summed.
     """
     J = fitted.jacobian[samples] / np.sqrt(max(density, 1e-300))
     r = fitted.residual[samples] / np.sqrt(max(density, 1e-300))
@@ -65,7 +65,7 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) 
         if found <= best:
             break
         best, expected = found, more
-    # Of a shape that the record does not tell, both laws count alike.
+    # For a shape that the record does not determine, both choices have the same evidence.
     beside = [volume(expected ^ {shape}) - best for shape in shapes]
     return best + float(np.log1p(np.exp(beside)).sum())
 
@@ -100,6 +100,6 @@ class _Told(NamedTuple):
             step = moved - x
             worse = float(0.5 * step @ A @ step + self.slope @ step)
         directions = np.maximum(np.linalg.eigvalsh(A[np.ix_(free, free)]), 0.0)
-        # Exact where a direction is told nothing, or much: Cauchy's density at its mode is 1 / pi.
+        # Exact in the limits of no and of much information: Cauchy's density at its mode is 1 / pi.
         width = np.log1p(0.5 * np.pi * directions)
         return -float(np.log1p(moved[free] ** 2).sum() + 0.5 * width.sum()) - worse

@@ -133,7 +133,7 @@ def shortest_record(spacing: int, skipped: int = 0) -> float:
 def _placed_best(
     u: np.ndarray, known: np.ndarray | None, skipped: int, spacing: int, pattern: _Pattern
 ) -> Split:
-    """Return the split by a pattern whose certified block is the fittest."""
+    """Return the split by a pattern with the best place of the certified block (:func:`_unfit`)."""
     candidates = _placed(len(u), skipped, spacing, pattern)
     return min(candidates, key=partial(_unfit, by_input(u), known))
 

@@ -89,9 +89,8 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
 def quoted(attached: Attached, found: Mapping[str, Estimate]) -> tuple[str, ...]:
     """Return the parameters that tell what an effect is, in the order of the estimates ``found``.
 
-    These are the one that defines it, of an event its instant, and those whose intervals exclude
-    what was expected; the first one of all where there is none. Where a record finds the device is
-    no part of it.
+    These are the one that defines it and those whose intervals exclude the prior mean; if there is
+    none, the first of all. Parameters of the state at the start of a record are left out.
     """
     states = {each.name for each in attached.parameters if each.at_start}
     defining = attached.effect.defining

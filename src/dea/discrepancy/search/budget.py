@@ -54,7 +54,7 @@ class Budget:
         part of the best single effect's misfit: one of its effects may stand for another. The
         partners of the best pairs are extended whatever noise floors they leave.
     exchange_gain
-        Factor by which an exchange must lower the error of the best pair for another one.
+        Part of the best pair's error that an exchange may leave at most for another one to follow.
     restarted
         Leading candidates that are fitted once more, with the simulation's parameters at their
         prior means, if they are near the leader and it leaves more than ``exchange_above`` floors.

@@ -51,7 +51,7 @@ def unfinish_degenerate(
         )
         tested.update(map(id, new))
         found = [c for c, falls in zip(new, degenerate, strict=True) if falls]
-        # What leads while better ones fall may be within the limit no more.
+        # Only when no leading candidate is degenerate: until then ``leading`` may still change.
         found = found or _gentle_limits(problem, leading, rules, noise_floor)
         if not found:
             break

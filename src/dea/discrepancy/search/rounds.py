@@ -236,8 +236,8 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """Return a fit from the same laws, with the simulation's parameters at their prior means.
 
     These may have moved far to make up for the effects, and a fit from there converges slowly.
-    Another effect is better attached to the fit that was found without this: what is best alone may
-    make up for it.
+    A further effect is better attached to the fit made before this one: in this fit the first
+    effect, the best by itself, may have taken over part of what the further one explains.
     """
     start = np.where(fitted.extended.of_laws, fitted.coordinates, 0.0)
     return fitted_again(problem, replace(fitted, coordinates=start), budget)

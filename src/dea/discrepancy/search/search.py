@@ -80,7 +80,7 @@ class Search:
         """
         before = self.problem.seen_rmse(self.nominals[0].residual)
         explains = self.rules.removes_energy(candidate.rmse, before)
-        # In more than one effect beside it may leave, another one may hide.
+        # A further effect may hide in what is left beside several: less may then be predictable.
         most = self.rules.may_follow(len(candidate.names) + 1)
         if explains and leaves_coloured_noise(self.problem, candidate.fit, self.blocks, most):
             return [effect for effect in self.offered if not effect.transferable]
@@ -143,16 +143,16 @@ class Search:
         candidates = best_of_each_set(
             [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
         )
-        # One that was screened alone is finished now.
+        # A candidate that was only screened is replaced by its finished fit.
         finished = {c.labels for c in candidates if c.finished}
         kept = (c for c in candidates if c.finished or c.labels not in finished)
         return replace(self.singles, candidates=tuple(kept))
 
     def _restarted(self, rounds: Sequence[Round]) -> list[Round]:
-        """Return the rounds with the leading candidates fitted once more, unless noise is left.
+        """Return the rounds with the leading candidates fitted again, if more than noise is left.
 
-        The first ones whatever is left: what they leave may look like noise because their laws
-        were shaped in the wrong place.
+        The first few get new shapes in any case: their residual may look like noise only because
+        their laws have adapted to an effect in the wrong place.
         """
         finished, found = finished_of(rounds)[: self.budget.restarted], list(rounds)
         limit = self.budget.near * min((c.error for c in finished), default=0.0)

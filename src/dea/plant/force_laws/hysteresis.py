@@ -69,8 +69,8 @@ def preisach_force(c: Array, m: Array, y: float) -> float:
 
     A density that is a product of Lorentzians has the Everett function (Φ(a) - Φ(b))²/2 with Φ the
     arcus tangent of the place (Biorci and Pescetti, Nuovo Cimento 7, 1958; Mayergoyz, Mathematical
-    Models of Hysteresis, 1991). Relays that switch behind the place would add energy; here they
-    let go of the mass instead, which takes it. c: height, middle and width of the density.
+    Models of Hysteresis, 1991). With the usual sign, a force that lags behind the position would
+    add energy; here the sign is reversed. c: height, middle and width of the density.
     """
     count = int(m[0])
     end = y if count == 1 else m[2]

@@ -28,8 +28,8 @@ GRAVITY = 9.80665
 POINT = 0.1127016653792583
 WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 TRIES = 40
-# Distance of stretches, and part of the modulus that resists, at which a root is found; distance of
-# the stretches that are tried where the estimates lead nowhere.
+# A root is found where stretches differ by less than CLOSE and the remaining stress is below FLAT
+# times the modulus. FAR is the step of the search where the interpolation does not converge.
 CLOSE, FLAT, FAR = 1e-7, 1e-4, 0.02
 # Nodes of the table of stiffnesses, and those next to pull-in between which none is interpolated.
 NODES, NEAR_PULL_IN = 256, 16

@@ -76,8 +76,9 @@ class Effect:
     essential
         The parameter at whose lower bound the law is no longer this effect.
     defining
-        The parameter that is told first of all: the size of the effect, its time or its place. None
-        where several say it together, as those of a curve, or any of several does, as of two stops.
+        The parameter that a verdict states first: the size of the effect, its time or its position.
+        Empty where several parameters define it together, as those of a curve, or each one does, as
+        the positions of two stops.
     """
 
     name: str
