@@ -63,7 +63,7 @@ class Budget(Section):
         "are extended",
         default=0.8,
     )
-    exchange_gain: Share = key("factor by which an exchange must lower the error", default=0.9)
+    exchange_gain: Share = key("part of a pair's error that its exchange may leave", default=0.9)
     restarted: WholeNotNegative = key(
         "leading candidates that are fitted once more from the prior means of the simulation, "
         "where the best one leaves more than ``exchange_above``",
@@ -157,7 +157,7 @@ class Rules(Section):
     )
     likely: Share = key(
         "presence from which the sentence calls an effect, or a family, likely; one with less is"
-        " named only if it leaves noise alone and its presence is more than 1 - ``certain``",
+        " named only if it leaves only noise and its presence is more than 1 - ``certain``",
         default=0.6,
     )
     poor: Number = key(

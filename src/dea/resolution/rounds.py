@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from dea.store import Record
 
 _NOWHERE = (
-    "no excitation was found that keeps the outputs in range which the explanations predict."
-    " Raise `resolution.output_margin`, if the device bears it."
+    "no excitation was found for which all explanations predict an output within its range."
+    " Raise `resolution.output_margin`, if the device allows a larger range."
 )
 
 

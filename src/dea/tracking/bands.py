@@ -33,8 +33,9 @@ _WINDOW, _SAMPLES_PER_TERM = 500, 50
 def reason_to_withhold(innovation: Array, Phi: Array, target: Array) -> str:
     """Return why intervals of an estimate by one-step errors do not hold, empty where they do.
 
-    Parameters that change follow coloured noise too, and leave an innovation that is white. The
-    errors of least squares in short windows, within which the parameters hardly move, do not.
+    Parameters that change also follow coloured noise, and then the innovation is white although the
+    noise is not. Therefore the errors of least squares in short windows, within which the
+    parameters hardly move, are tested as well.
 
     Parameters
     ----------

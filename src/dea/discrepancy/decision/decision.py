@@ -31,7 +31,7 @@ class Reason(StrEnum):
     REMAINS = "what remains is not named"
     RIVAL = "a rival explains the record as well"
     ONLY_CERTIFIED = "only the certified samples show it"
-    OF_ONE_RECORD = "the best effect does not serve on the records left out"
+    OF_ONE_RECORD = "the best effect fails on the records left out"
     CONTRADICTED = "the best effect fails on the certified samples"
     CONTRADICTED_ELSEWHERE = "the best effect fails on the test records"
 

@@ -25,7 +25,7 @@ def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[C
 
 
 def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -> list[Candidate]:
-    """Return the single effects that are certain and leave noise alone where there was more.
+    """Return the certain single effects that leave only noise where the simulation left more.
 
     The gain of an effect that acts rarely, such as a limit that is seldom reached, varies so much
     between blocks that it is not proven by their resampling.
@@ -63,7 +63,7 @@ def best_extension(
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
         _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.resampling)
-        # A course in time that leaves noise alone is right, though it may be predicted badly at the
+        # A course in time that leaves only noise is right, though it may be predicted badly at the
         # ends of the record, or of blocks in which it bends.
         left = evidence.problem.seen_rmse(before.residual)
         in_time = not transferable(best.fit.extended)

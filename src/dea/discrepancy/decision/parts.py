@@ -129,8 +129,8 @@ class _PartTests:
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
     """Return whether each of several effects removes much of what the others leave.
 
-    Blocks left out are used, because a second law can be fitted to the error of the first one's.
-    Others that were not fitted to the end are, from the place where the chosen ones have them.
+    Blocks left out are used, because a second law can be fitted to the error of the first. If a set
+    without one of the effects was never fitted to the end, it is refitted from the chosen values.
     """
     if len(chosen.effects) == 1:
         return True

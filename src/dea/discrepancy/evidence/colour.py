@@ -22,8 +22,8 @@ from dea.missing import runs
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
 _TELLING = 20  # innovations of a block that show its level
-# Lags at which signs are compared, the part of the samples that have another one so far ahead, and
-# the probability with which white noise fails.
+# Lags at which signs are compared; part of the samples that must have a partner at a lag for it to
+# be used; probability with which the test rejects white noise.
 _SIGNS, _PAIRS, _CHANCE = 50, 0.2, 1e-3
 # Gaussian signals of a residual's spectrum, all of which it must exceed to be told from them.
 _SURROGATES = 200

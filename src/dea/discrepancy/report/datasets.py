@@ -12,8 +12,8 @@ from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.store import Described, Role, variable
 
-_FINISHED = "whether fitted to the end, and not as well without its essential parameter"
-_GAIN = "log ratio of RMSE without and with it, held-out; of unfinished ones where they were fitted"
+_FINISHED = "whether it may be named: fitted to the end, and worse without its essential parameter"
+_GAIN = "log ratio of RMSE without and with it, held-out; if unfinished, on the samples fitted to"
 
 
 def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:

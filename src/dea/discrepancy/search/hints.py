@@ -54,10 +54,10 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """Return the frequencies (Hz) of lines that are no harmonics of a periodic input.
 
-    The sharpest lines come first: what the simulation lacks besides is broad, and may yet be
-    higher. Where the input repeats, whatever is missing repeats with it, and a wave of any shape
-    with the input's period would explain it. A line that stands out among the harmonics of the
-    input only must not be one of them; any other must not be within two bins of one.
+    The sharpest lines come first: what else the simulation lacks is broad, even if it is higher.
+    Where the input repeats, every missing effect repeats with it, so that a wave of any shape with
+    the input's period would explain it. Therefore no line may be at a harmonic of the input, and
+    one that does not stand out among the harmonics must be more than two bins away from them.
     """
     longest = _longest(problem)
     own, period = problem.records[longest], problem.periods[longest]
