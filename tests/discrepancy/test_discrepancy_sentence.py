@@ -487,18 +487,19 @@ def test_the_time_of_logging_is_as_unsure_as_all_that_was_estimated():
 )
 def test_where_more_than_noise_is_left_an_error_may_pass_for_a_time_offset(kind, doubted):
     early = found(Status.NAMED, "dead_zone", coordinates=(0.0, 0.0, -1.25), **kind)
-    doubt = ", or an error of the law passes for that" if doubted else ""
+    doubt = ", or an error of the law looks like such an offset" if doubted else ""
     assert remarks(early) == (f"{EARLY}{doubt}.",)
     alone = found(Status.NONE, coordinates=(0.0, 0.0, 1.25), **kind)
     [text] = remarks(alone)
     assert text.endswith(
-        "lag this short" + (", or an error of the simulation passes for that." if doubted else ".")
+        "lag this short"
+        + (", or an error of the simulation looks like such an offset." if doubted else ".")
     )
 
 
 def test_a_record_that_seems_early_beside_a_lag_may_have_a_shorter_lag():
     early = found(Status.NAMED, "slew_limit", coordinates=(0.0, 0.0, -1.25))
-    assert remarks(early) == (f"{EARLY}, or the law of the lag is too long by that.",)
+    assert remarks(early) == (f"{EARLY}, or the fitted lag is too long by this time.",)
 
 
 @pytest.mark.parametrize(("coordinate", "doubted"), [(3.0, True), (2.9, False), (0.0, False)])
@@ -510,7 +511,7 @@ def test_a_law_at_its_bound_may_pass_for_a_time_offset(coordinate, doubted):
     extended.effect_slices = [slice(3, 4)]
     extended.bounds = np.array([-3.0, -3.0, -3.0, 0.0]), np.full(4, 3.0)
     assert remarks(diagnosis) == (
-        f"{EARLY}, or an error of the law passes for that." if doubted else f"{EARLY}.",
+        f"{EARLY}, or an error of the law looks like such an offset." if doubted else f"{EARLY}.",
     )
 
 
@@ -539,8 +540,8 @@ def test_it_is_told_that_the_presence_is_against_what_predicts_best():
     assert text == (
         "The first explanation leads by what it predicts on blocks left out, but "
         "`sensor_nonlinearity` has a presence below 10 %: its law has more freedom than this "
-        "record supports. For its freedom, the explanation with `charge_leakage` and `end_stop` "
-        "leaves least."
+        "record supports. With freedom taken into account, the most probable other explanation is "
+        "`charge_leakage` and `end_stop`."
     )
     present["sensor_nonlinearity"] = 0.2
     assert remarks(found(Status.AMBIGUOUS, *first, effects=present, **given)) == ()
@@ -558,7 +559,7 @@ def test_it_is_told_that_samples_are_too_far_apart():
     [text] = remarks(found(Status.NAMED, "sensor_lag", slowest=0.006))
     assert text == (
         "The samples are 1.7e+02 of the simulation's slowest time constants apart, so that they "
-        "show the device at rest alone: check the sampling rate."
+        "show the device only at rest: check the sampling rate."
     )
     assert remarks(found(Status.NAMED, "sensor_lag", slowest=0.1)) == ()
     assert remarks(found(Status.NAMED, "sensor_lag", slowest=0.0)) == ()
@@ -568,7 +569,7 @@ def test_samples_far_from_their_neighbours_are_counted():
     residual = SMOOTH.copy()
     residual[[30, 99, 200]] += [50.0, -60.0, 50.0]
     [text] = remarks(found(Status.UNKNOWN, reason=Reason.NO_EFFECT, residual=residual))
-    assert text.startswith("3 samples lie far from the neighbours, alone, ")
+    assert text.startswith("3 samples lie far from both neighbours, ")
     assert remarks(found(Status.NONE, residual=residual, decimation=2)) == ()
     residual[30:] += 50.0
     residual[[99, 200]] = SMOOTH[[99, 200]] + 50.0

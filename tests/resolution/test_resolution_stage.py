@@ -305,14 +305,14 @@ def columns_swapped(u, seed):
     ("change", "device", "said"),
     [
         (lambda u: u[:250], DEVICE, "it has 250 of 300 samples. Play and record all of it"),
-        (lambda u: u, at_51_hz, "it is sampled at 51 Hz, and that is at 50 Hz. Play and record"),
+        (lambda u: u, at_51_hz, "it is sampled at 51 Hz, the excitation at 50 Hz. Play and record"),
         (lambda u: u, columns_swapped, "its output is. Exchange the columns"),
-        (lambda u: 1e3 * u, DEVICE, "it is 1000 times that. Play it as it stands"),
-        (lambda u: u + 0.5, DEVICE, "it is 1 times that, plus 0.5 V"),
+        (lambda u: 1e3 * u, DEVICE, "it is 1000 times the excitation. Play it unscaled"),
+        (lambda u: u + 0.5, DEVICE, "it is 1 times the excitation, plus 0.5 V"),
         (
             lambda u: np.concatenate([np.full(50, u[0]), u, np.zeros(9)]),
             DEVICE,
-            r"that begins at sample 50, at 1 s. Leave out .* `rows: \[50, 350\]`",
+            r"the excitation begins at its sample 50, at 1 s. Leave out .* `rows: \[50, 350\]`",
         ),
         (lambda u: np.random.default_rng(0).uniform(-1, 1, 300), DEVICE, "Play that excitation"),
     ],

@@ -196,7 +196,7 @@ def _mistake(
     """
     if abs(found.sampling_rate - rate) > SAME_INTERVAL * rate:
         return (
-            f": it is sampled at {found.sampling_rate:.8g} Hz, and that is at {rate:.8g} Hz",
+            f": it is sampled at {found.sampling_rate:.8g} Hz, the excitation at {rate:.8g} Hz",
             "Play and record it at that rate; closer samples are averaged by"
             f" `resample: {1.0 / rate:.9g}`",
         )
@@ -215,7 +215,7 @@ def _mistake(
         if described.resample is not None or first < 0:
             rows = f"`rows`, the numbers of its rows from {begin / rate:g} to {end / rate:g} s"
         return (
-            f": that begins at sample {begin}, at {begin / rate:g} s",
+            f": the excitation begins at its sample {begin}, at {begin / rate:g} s",
             f"Leave out what is before it, as by {rows}",
         )
     played, wanted = found.u[:size], asked[: found.u.size]
@@ -224,8 +224,8 @@ def _mistake(
     if _off(played, factor * wanted + offset, 0) <= allowed:
         plus = f", plus {offset:.3g} {found.u_units}" if abs(offset) > allowed else ""
         return (
-            f": it is {factor:.4g} times that{plus}",
-            "Play it as it stands there, and give the record in the units of the first one",
+            f": it is {factor:.4g} times the excitation{plus}",
+            "Play it unscaled, and give the record in the units of the first one",
         )
     return "", "Play that excitation, or name the record otherwise to begin with it"
 

@@ -22,7 +22,7 @@ _FORCE = 0.5
 # Part of the white level from which a coloured error is said, and of the gap up to which it may be
 # one to live with: more of it is what is missing.
 _COLOURED, _SMALL = 0.5, 0.5
-# Sampling intervals of the slowest time constant below which a record shows a device at rest alone:
+# Sampling intervals of the slowest time constant below which a record shows a device only at rest:
 # from one sample to the next, a transient falls below exp(-10).
 _RARE = 0.1
 # A law's parameter: the law's label, which may hold dots, the record that it belongs to, its name.
@@ -56,10 +56,10 @@ def _timing(found: "Diagnosis") -> str:
         return ""
     side, doubts = ("early", "") if offset < 0 else ("late", ", or the device has a lag this short")
     if offset < 0 and any(a.effect.family is Family.LAG for a in fitted.extended.attached):
-        doubts = ", or the law of the lag is too long by that"
+        doubts = ", or the fitted lag is too long by this time"
     if _inexact(found):
         law = "the law" if found.decision.answer else "the simulation"
-        doubts += f", or an error of {law} passes for that"
+        doubts += f", or an error of {law} looks like such an offset"
     count = f"{abs(offset) / problem.recorded_interval:.2g}"
     samples = "1 sample" if count == "1" else f"{count} samples"
     return (
@@ -106,7 +106,7 @@ def _rare(found: "Diagnosis") -> str:
         return ""
     return (
         f"The samples are {1.0 / found.split.slowest:.2g} of the simulation's slowest time "
-        "constants apart, so that they show the device at rest alone: check the sampling rate."
+        "constants apart, so that they show the device only at rest: check the sampling rate."
     )
 
 
@@ -120,8 +120,8 @@ def _outliers(found: "Diagnosis") -> str:
         return ""
     samples = "1 sample lies" if count == 1 else f"{count} samples lie"
     return (
-        f"{samples} far from the neighbours, alone, as a sensor or a logger makes outliers: flag "
-        "what is no motion as missing, and diagnose again."
+        f"{samples} far from both neighbours, as outliers of a sensor or a logger do: mark those "
+        "that are not motion as missing, and diagnose again."
     )
 
 
@@ -140,8 +140,8 @@ def _excluded(found: "Diagnosis") -> str:
         "The first explanation leads by what it predicts on blocks left out, but "
         f"{labels_in_words(excluded)} {'have' if several else 'has'} a presence below "
         f"{100 * least:.3g} %: {'their laws have' if several else 'its law has'} more freedom than "
-        "this record supports. For its freedom, the explanation with "
-        f"{labels_in_words(likeliest.names)} leaves least."
+        "this record supports. With freedom taken into account, the most probable other "
+        f"explanation is {labels_in_words(likeliest.names)}."
     )
 
 
