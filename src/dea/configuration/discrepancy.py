@@ -160,6 +160,10 @@ class Rules(Section):
         " named only if it leaves only noise and its presence is more than 1 - ``certain``",
         default=0.6,
     )
+    certified: Share = key(
+        "part of the gap elsewhere from which ``margin`` of the certified gap must be removed",
+        default=0.5,
+    )
     poor: Number = key(
         "certified error over that of a complete simulation, above which the sentence calls a law"
         " too poor",

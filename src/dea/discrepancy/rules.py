@@ -92,6 +92,9 @@ class Rules:
     likely
         Presence from which an effect, or a family, is called likely. Others are not named, unless
         they leave only noise and their absence is not certain.
+    certified
+        Part of the gap elsewhere from which an answer must remove ``margin`` of the certified gap,
+        too: a limit that is seldom reached need not be reached there.
     poor
         Certified error, in what a complete simulation leaves, above which a law is called too poor.
     detectable
@@ -118,6 +121,7 @@ class Rules:
     at_bound: float = 3.0
     shaped: float = 0.5
     likely: float = 0.6
+    certified: float = 0.5
     poor: float = at_least(1, 1.3)
     detectable: float = 0.2
 

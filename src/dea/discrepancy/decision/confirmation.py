@@ -12,8 +12,6 @@ from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import misfit
 
 _CERTIFIED = "certified samples"
-# Part of the gap elsewhere from which the gap on the certified samples must be reduced.
-_AS_LARGE = 0.5
 
 
 def confirmed(
@@ -64,4 +62,4 @@ def _unimproved(evidence: Evidence, block: Certified) -> bool:
     rules, floor = evidence.rules, evidence.floor
     before, after = misfit(block.before, floor), misfit(block.after, floor)
     elsewhere = misfit(evidence.nominal_error, floor)
-    return before > _AS_LARGE * elsewhere and after > (1.0 - rules.margin) * before
+    return before > rules.certified * elsewhere and after > (1.0 - rules.margin) * before
