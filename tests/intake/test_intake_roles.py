@@ -83,6 +83,11 @@ def test_what_is_measured_at_a_drive_is_not_the_input(measured):
         roles({"time": "s", measured: "degC", "torque": "Nm", "y": "rpm"})
 
 
+def test_a_number_behind_a_word_leaves_it_the_word_of_a_longer_name():
+    found = roles({"t": "s", "u": "V", "measured2 position": "mm", "current": "A"})
+    assert (found.inputs, found.output) == ((("u", "V"),), ("measured2 position", "mm"))
+
+
 def test_a_candidate_that_the_user_gives_another_role_is_none():
     found = roles({"t": "s", "u1": "V", "u2": "mm"}, Answers(output="u2"))
     assert (found.inputs, found.output) == ((("u1", "V"),), ("u2", "mm"))

@@ -1,7 +1,7 @@
 """Which column of a file is the time, which the input, which the output, and in what units."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -100,12 +100,11 @@ def find_roles(
         "output": told["output"] or _guess(open_names, _OUTPUT, table),
     }
     left_over = _fill_the_other(found, free, table)
-    names = [name for each in found.values() for name, _ in each]
     _check_apart(found, time, file)
-    rest = [name for name in free if name not in names]
     asked, lines = _question(found, time, interval, free, table)
     if asked:
         raise UnansweredError(asked, command(goal, {**given, **lines}), file, described(table))
+    names = [name for each in found.values() for name, _ in each]
     table.refuse_words([*names, *([time[0]] if time else [])], file)
     unsaid = [role for role in ("input", "output") if not said[role]]
     by = dict.fromkeys(unsaid, ", by the names") | dict.fromkeys(left_over, ", the only other one")
@@ -113,7 +112,7 @@ def find_roles(
     inferred += [
         f"{role}: {_listed([name for name, _ in found[role]])}{by[role]}" for role in unsaid
     ]
-    if rest:
+    if rest := _without_role(found, free):
         inferred.append(f"not used: {_listed(rest)}")
     columns = {
         role: tuple((name, units or "") for name, units in each) for role, each in found.items()
@@ -217,8 +216,7 @@ def _question(
     """
     lines: dict[str, str] = {}
     asked = _unknown_roles(found, free, table)
-    names = [name for each in found.values() for name, _ in each]
-    rest = [name for name in free if name not in names]
+    rest = _without_role(found, free)
     # Two columns are likely input and output, in this order; of more, none is likelier.
     guesses = rest if len(free) == 2 and not table.no_numbers else []
     for role, known in found.items():
@@ -254,11 +252,15 @@ def _unknown_roles(
         return []
     if unknown == ["output"]:
         questions["output"] = "is the output"
-    known = [name for columns in found.values() for name, _ in columns]
     asked = ", which ".join(questions[role] for role in unknown)
-    if _all_have_units([name for name in free if name not in known], table):
+    if _all_have_units(_without_role(found, free), table):
         return [f"which column {asked}"]
     return [f"which column {asked}, and {'their' if len(unknown) > 1 else 'its'} units"]
+
+
+def _without_role(found: Mapping[str, list[ColumnUnits]], free: list[str]) -> list[str]:
+    names = {name for each in found.values() for name, _ in each}
+    return [name for name in free if name not in names]
 
 
 def _all_have_units(names: list[str], table: ForeignTable) -> bool:
@@ -275,8 +277,7 @@ def _fill_the_other(
     known = [role for role, columns in found.items() if columns]
     if len(known) != 1 or table.no_numbers:
         return []
-    names = [name for name, _ in found[known[0]]]
-    rest = [name for name in free if name not in names]
+    rest = _without_role(found, free)
     if len(rest) != 1:
         return []
     missing = "output" if known[0] == "input" else "input"
@@ -290,14 +291,15 @@ def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[Column
     Words may be numbered, as those of several inputs are. One that holds no numbers counts, and is
     none.
     """
-    matching, certain = named(words), named(words - _BESIDE)
     numbered = re.compile(r"\d+(?![^\W_])")  # at the end of a word
 
-    def matches(name: str) -> bool:
-        return matching(name) or matching(numbered.sub("", name))
+    def hold(words: set[str]) -> Callable[[str], bool]:
+        matching = named(words)
+        return lambda name: matching(name) or matching(numbered.sub("", name))
 
-    found = list(filter(matches, [*free, *table.no_numbers]))
-    sure = len(found) == 1 and found[0] in free
-    if sure and not certain(found[0]):
-        sure = words.issuperset(re.findall(r"[a-z]+", found[0].lower()))
+    found = list(filter(hold(words), [*free, *table.no_numbers]))
+    if len(found) != 1 or found[0] not in free:
+        return []
+    only = words.issuperset(re.findall(r"[a-z]+", found[0].lower()))
+    sure = only or hold(words - _BESIDE)(found[0])
     return [(found[0], table.units.get(found[0]))] if sure else []
