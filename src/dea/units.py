@@ -8,7 +8,7 @@ SECONDS = {
 }  # fmt: skip
 # How many hertz each unit of a rate has.
 HERTZ = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "1/s": 1.0, "1/min": 1.0 / 60.0}
-_SIGNS = " */·^"  # of units that are made of others
+_JOINING = " */·"  # between units that make another one
 _TIMES = re.compile(r"[\s*·]+")
 _POWER = re.compile(r"(.+)\^([-+]?\d+\.?\d*)")
 _BRACKETS = re.compile(r"^[\[(]([^\[\]()]*)[\])]$")
@@ -37,7 +37,7 @@ def power(units: str, exponent: int) -> str:
     """Return the units of a power of a quantity; without units they are ``1``."""
     if units == "1":
         return units
-    compound = any(sign in units for sign in _SIGNS)
+    compound = any(sign in units for sign in f"{_JOINING}^")
     return f"({units})^{exponent}" if compound else f"{units}^{exponent}"
 
 
@@ -66,6 +66,4 @@ def ratio(above: str, below: str) -> str:
     """Return the units of one quantity over another."""
     if below == "1":
         return above
-    return (
-        f"{above}/({below})" if any(sign in below for sign in _SIGNS[:-1]) else f"{above}/{below}"
-    )
+    return f"{above}/({below})" if any(sign in below for sign in _JOINING) else f"{above}/{below}"
