@@ -1,5 +1,7 @@
 """What the figures of all systems plot: each system in its panel, each value in its place."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
@@ -333,6 +335,22 @@ def test_more_times_of_h2_than_there_are_colours_are_told_from_each_other():
     handles = figure.legends[0].legend_handles
     told = [each for each in handles if isinstance(each, Line2D)]
     assert looks(told, "get_color") == drawn
+
+
+@pytest.mark.parametrize("ratio", [20.0, 60.0, 300.0, 2e4])
+def test_labels_of_round_trips_stand_apart_in_their_narrow_panel(ratio):
+    dataset = made.link(1)
+    low = dataset["round_trip_low"].values
+    count = (low >= 4.9e-5) & (low <= 4.9e-5 * ratio)
+    slow = dataset.assign(round_trip_count=dataset["round_trip_count"].copy(data=1 * count))
+    figure = link({"dea1": slow, "dea2": slow})
+    figure.draw_without_rendering()
+    ax = figure.axes[0]
+    low, high = ax.get_xlim()
+    shown = [t for t in ax.get_xticklabels() if t.get_text() and low <= t.get_position()[0] <= high]
+    boxes = sorted((t.get_window_extent() for t in shown), key=lambda box: box.x0)
+    assert len(boxes) >= 2
+    assert all(right.x0 - left.x1 > boxes[0].height / 6.0 for left, right in pairwise(boxes))
 
 
 def test_link_shows_every_bar_whole_and_says_whose_clock_it_is():

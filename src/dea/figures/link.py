@@ -16,6 +16,7 @@ from dea.store import Sources
 
 _MILLI = 1e3
 _MARGIN = 1.2  # factor, beyond the bins that hold round trips
+_LONG_RANGE = 100.0  # ratio of the longest round trip to the shortest, with 2 and 5 labelled
 _LINE = 0.09  # of the table's height, at most, a line of it
 _SPACE = 0.45  # of a line, around the text of a row
 _TEXT = 2.7  # mm, a line of the table at least
@@ -81,7 +82,7 @@ def _round_trips(
     ax.set_yscale("symlog", linthresh=1)
     most = max(int(dataset["round_trip_count"].max()) for dataset in links.values())
     ax.set_ylim(0, 2 * most)
-    style.plain_log_ticks(ax.xaxis)
+    style.plain_log_ticks(ax.xaxis, longest=_LONG_RANGE)
     ax.yaxis.set_major_formatter("{x:g}")
 
 

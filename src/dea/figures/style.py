@@ -228,17 +228,19 @@ def truncated(name: str, low: float = 0.0, high: float = 1.0) -> ListedColormap:
     return ListedColormap([whole(low + (high - low) * i / 255) for i in range(256)], name=name)
 
 
-def plain_log_ticks(axis: Axis) -> None:
+def plain_log_ticks(axis: Axis, longest: float | None = None) -> None:
     """Label a logarithmic axis at 1, 2 and 5 of each decade, without powers of ten.
 
     What is drawn must be there by then: over a short range more values are labelled, over a long
-    one fewer.
+    one fewer. ``longest`` is the ratio of its ends above which the labels of 2 and 5 are left out;
+    a panel of less than 40 mm needs a smaller one.
     """
     low, high = axis.get_view_interval()
     short = low > 0.0 and high < _SHORT_RANGE * low
     # Every step divides one, so that one is labelled where it is shown.
     linear = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
-    longest = _LONG_RANGE_ACROSS if isinstance(axis, XAxis) else _LONG_RANGE
+    if longest is None:
+        longest = _LONG_RANGE_ACROSS if isinstance(axis, XAxis) else _LONG_RANGE
     subs = (1,) if high > longest * low else (1, 2, 5)
     axis.set_major_locator(linear if short else LogLocator(subs=subs))
     axis.set_major_formatter("{x:g}")
