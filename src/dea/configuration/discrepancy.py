@@ -66,7 +66,7 @@ class Budget(Section):
     exchange_gain: Share = key("part of a pair's error that its exchange may leave", default=0.9)
     restarted: WholeNotNegative = key(
         "leading candidates that are fitted once more from the prior means of the simulation, "
-        "where the best one leaves more than ``exchange_above``",
+        "if they are ``near`` the best one and it leaves more than ``exchange_above``",
         default=8,
     )
     decimated: Count = key(

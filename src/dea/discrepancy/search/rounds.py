@@ -17,7 +17,6 @@ from dea.discrepancy.search.not_offered import NotOffered, Obstacle, never_tried
 from dea.discrepancy.search.screening import (
     Base,
     Offer,
-    error_in,
     first_steps,
     further_steps,
     promising,
@@ -110,7 +109,7 @@ class _Extending:
         return int(np.clip(_SHORT // self.problem.size, self.budget.kept, _MOST_KEPT))
 
     def _error(self, fitted: Fit) -> float:
-        return error_in(self.problem)(fitted)
+        return self.problem.seen_rmse(fitted.residual)
 
     def _each(
         self, attempt: Callable[[Item], Result], items: Sequence[Item], step: str

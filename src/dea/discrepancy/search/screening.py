@@ -145,8 +145,10 @@ def first_steps(
         columns = Columns(held=start.extended.shapes, kept=start.base.fit.jacobian)
         return fit(problem, start.extended, start.coordinates, iterations=steps, columns=columns)
 
+    def error(candidate: Fit) -> float:
+        return problem.seen_rmse(candidate.residual)
+
     found = [fitted(start) for start in starts]
-    error = error_in(problem)
     if min(map(error, found), default=0.0) > error(base.fit):
         # Where it does nothing, a law leaves the simulation's own fit.
         nothing = where_it_does_nothing(problem, base, offer)
@@ -163,17 +165,13 @@ def further_steps(problem: Problem, found: Sequence[Fit], kept: int, steps: int)
         refine(problem, each, steps, each.extended.shapes)
         for each in found[: min(kept, _USED + _MORE)]
     ]
-    stable = sorted((each for each in again if each.stable), key=error_in(problem))
+    stable = [each for each in again if each.stable]
+    stable.sort(key=lambda each: problem.seen_rmse(each.residual))
     return (stable or list(found))[:kept]
 
 
-def error_in(problem: Problem) -> Callable[[Fit], float]:
-    """Return what gives the error of a fit over the samples of a problem that are seen."""
-    return lambda fitted: problem.seen_rmse(fitted.residual)
-
-
 def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
-    """Return a start at which the law offered hardly changes anything, the first that is found.
+    """Return where the law offered hardly changes anything, beside the first start that allows it.
 
     One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
     zero, a limit beyond the range, a stiffness of nothing.
