@@ -1,6 +1,7 @@
 """A link to registers in memory, and a clock that passes only while somebody sleeps."""
 
 from dea.acquisition import zero
+from dea.acquisition.link_log import LinkLog
 from dea.modbus import encode
 
 
@@ -11,6 +12,7 @@ class MemoryLink:
         self.device, self.values = device, values
         self.written = []  # of (register, words)
         self.check = self.on_connect = None
+        self.log = LinkLog()
 
     def _name(self, address, table):
         [name] = [

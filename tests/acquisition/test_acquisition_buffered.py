@@ -7,7 +7,6 @@ from memory_link import MemoryLink
 from dea.acquisition import AcquisitionSettings, LinkSettings, Quality, ReadBackError, acquire
 from dea.acquisition.buffered import Reply, _Playback
 from dea.acquisition.laws import Laws
-from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import Echo
 from dea.acquisition.samples import BrokenRecordError
@@ -107,7 +106,7 @@ def playing(monkeypatch, counts):
     """Return the progress of a sequence on a device that has measured nothing yet."""
     monkeypatch.setattr("dea.acquisition.buffered.BlockExchange", Exchange)
     link = MemoryLink(read_device(DESCRIPTION), fifo_length=512, watchdog_time=1.0, boot=7)
-    link.log, link.settings = LinkLog(), LinkSettings(reconnect_time=2.0)
+    link.settings = LinkSettings(reconnect_time=2.0)
     panel = Panel(link)
     return _Playback(panel, np.array(counts), Laws(panel), Echo(panel, "applied_output", 0.05))
 

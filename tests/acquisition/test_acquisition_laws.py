@@ -17,7 +17,7 @@ from dea.acquisition.output import Output
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LinkError
 from dea.acquisition.zero import WayToZero, ZeroEvidence, ZeroNotVerifiedError
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 
 OUTPUT = {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"}
 REGISTERS = {
@@ -302,6 +302,21 @@ def test_a_switch_that_the_device_does_not_know_is_refused_without_an_alarm(modu
     assert caught.value.field == "safety.enable"
     assert "was refused" in by_hand.status(switched(module))
     assert not module.history
+
+
+def test_a_switch_that_is_refused_after_an_attempt_without_an_answer_may_be_on(module, tmp_path):
+    answers = iter([lambda *_: None])
+
+    def answer(connection, frame):
+        refused = frame[:4] + bytes([0, 3, frame[6], WRITE_COIL | 0x80, 3])
+        next(answers, lambda *_: connection.sendall(refused))(connection, frame)
+
+    once_switched_on(module, answer)
+    with pytest.raises(DeviceError, match="exception 3") as caught:
+        acquire(switched(module), np.full(5, 1.0), tmp_path / "a", SETTINGS)
+    assert not isinstance(caught.value, InputError)
+    assert "The output is at zero" in caught.value.__notes__[0]
+    assert not module.enabled
 
 
 def test_a_host_is_looked_up_once_so_that_what_was_checked_is_driven(module, tmp_path, monkeypatch):

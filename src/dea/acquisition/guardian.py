@@ -165,7 +165,9 @@ class Guardian:
         self._end_at_zero(self._requested())
 
     def _refuse(self, error: Exception) -> None:
-        """Tell of what has kept the drive from its start; there is no voltage."""
+        """Tell of what has kept the drive from its start, which has asked for no voltage."""
+        with suppress(Exception):
+            self.link.close()
         self.duty.put(Phase.REFUSED, 0.0)
         self.wire.post("refused", packed(error))
 

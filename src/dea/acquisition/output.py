@@ -8,8 +8,9 @@ from dea.acquisition.verify import answering_as_described, open_described, verif
 from dea.errors import InputError
 from dea.modbus import Command, DeviceState, Refusal, to_physical
 
-# Exceptions after which nothing has been done: function, address or value are none of the device's.
-NOT_DONE = (1, 2, 3)
+# Failures after which nothing has been done, as the log of a link counts them: function, address or
+# value are none of the device's.
+NOT_DONE = {"exception 1", "exception 2", "exception 3"}
 
 
 class TakenError(LinkError):
@@ -78,10 +79,12 @@ class Output:
         LinkError, DeviceRefusedError
             Where it may be on: the write may have been carried out.
         """
+        before = self.link.log.errors.copy()
         try:
             self.laws.arm()
         except DeviceRefusedError as error:
-            if error.code not in NOT_DONE:
+            # An attempt before this refusal may have been carried out without an answer.
+            if not (self.link.log.errors - before).keys() <= NOT_DONE:
                 raise
             raise NotArmedError(
                 f"the high voltage cannot be switched on: {error}",
