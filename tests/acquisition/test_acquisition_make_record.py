@@ -174,13 +174,16 @@ def test_an_account_without_a_name_keeps_its_records(study, capsys, monkeypatch)
 
 def test_an_output_that_is_not_shown_to_be_at_zero_is_told_apart(study, capsys, monkeypatch):
     def stuck(*_, **__):
-        raise ZeroNotVerifiedError("the output reads 2 V after the ramp to zero")
+        error = ZeroNotVerifiedError("the output reads 2 V after the ramp to zero.")
+        error.add_note("Its samples are kept.")
+        raise error
 
     monkeypatch.setattr("dea.acquisition.acquire_watched", stuck)
     with pytest.raises(SystemExit) as exit_:
         main(["film1"])
     assert exit_.value.code == 3
-    assert "DANGER: the output reads 2 V" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "DANGER: the output reads 2 V after the ramp to zero. Its samples are kept." in said
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ def reported(ended: str = "ended by SIGINT") -> Iterator[None]:
         say(f"error: {error}")
         raise SystemExit(2) from None
     except ZeroNotVerifiedError as error:
-        say(f"DANGER: {error}")
+        _say_of(error, f"DANGER: {error}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
         _say_of(error, f"failed: {error}")
@@ -38,7 +38,7 @@ def reported(ended: str = "ended by SIGINT") -> Iterator[None]:
 def _say_of(error: BaseException, text: str) -> None:
     """Say why the block ended, and what its error notes besides."""
     notes = " ".join(getattr(error, "__notes__", []))
-    say(f"{text}. {notes}" if notes else text)
+    say(f"{text.removesuffix('.')}. {notes}" if notes else text)
 
 
 def say(text: str) -> None:
