@@ -21,6 +21,13 @@ RETRIES = 3
 SETTINGS = LinkSettings(timeout=0.1, retries=RETRIES, reconnect_time=0.1)
 
 
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    monkeypatch.setattr("dea.acquisition.retrying_link.time", made)
+    return made
+
+
 class SilentClient:
     """Takes every request and never replies."""
 
@@ -123,10 +130,8 @@ class RefusingClient:
         pass
 
 
-def test_the_round_trip_is_that_of_the_attempt_that_was_answered(monkeypatch):
-    clock = Clock()
+def test_the_round_trip_is_that_of_the_attempt_that_was_answered(clock, monkeypatch):
     client = RefusingClient(clock, refused=2, reply=0.001)
-    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
     monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda device, timeout: client)
     link = Link(read_device(DESCRIPTION), SETTINGS, LinkLog(started=0.0))
     assert link.read(0, 2) == [7, 7]
@@ -135,9 +140,8 @@ def test_the_round_trip_is_that_of_the_attempt_that_was_answered(monkeypatch):
     assert link.log.receive_time == pytest.approx([client.sent[-1] + 0.001])
 
 
-def test_a_rest_lasts_its_whole_time_and_checks_meanwhile(monkeypatch):
-    clock, checked = Clock(), []
-    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
+def test_a_rest_lasts_its_whole_time_and_checks_meanwhile(clock):
+    checked = []
     link = Link(read_device(DESCRIPTION), SETTINGS)
     link.check = lambda: checked.append(clock.now)
     link.rest(1.0)
@@ -146,9 +150,7 @@ def test_a_rest_lasts_its_whole_time_and_checks_meanwhile(monkeypatch):
     assert max(np.diff([0.0, *checked])) <= LONGEST_SLEEP + 1e-9
 
 
-def test_a_check_ends_a_rest(monkeypatch):
-    clock = Clock()
-    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
+def test_a_check_ends_a_rest(clock):
     link = Link(read_device(DESCRIPTION), SETTINGS)
 
     def stop():
@@ -158,13 +160,6 @@ def test_a_check_ends_a_rest(monkeypatch):
     with pytest.raises(StoppedError):
         link.rest(1.0)
     assert clock.now <= LONGEST_SLEEP
-
-
-@pytest.fixture
-def clock(monkeypatch):
-    made = Clock()
-    monkeypatch.setattr("dea.acquisition.retrying_link.time", made)
-    return made
 
 
 @pytest.mark.parametrize("connecting", [0.0, 2.0], ids=["refused", "timed out"])
@@ -181,6 +176,29 @@ def test_a_device_that_is_gone_is_given_up_after_the_time_to_reconnect(
     with pytest.raises(LinkError, match="nobody there"):
         Link(read_device(DESCRIPTION), settings).read(0, 2)
     assert 0.9 * reconnect_time <= clock.now <= reconnect_time + 2.0
+
+
+@pytest.mark.parametrize("lost", [0, 1, 2])
+def test_a_claim_without_a_reply_is_no_more_than_a_failed_attempt(monkeypatch, lost):
+    """A connection was found, and the next attempt may find the device awake."""
+    claims, asked = iter([True] * lost), []
+
+    def claim():
+        if next(claims, False):
+            raise LinkError("no reply to the claim")
+
+    class Client(SilentClient):
+        def execute(self, no_response_expected, request):
+            asked.append(request)
+            if len(asked) == 1:
+                raise ModbusIOException("No response received")
+            return ReadHoldingRegistersResponse(registers=[7] * request.count)
+
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda *_, **__: Client())
+    link = Link(read_device(DESCRIPTION), replace(SETTINGS, reconnect_time=0.0))
+    link.open()
+    link.on_connect = claim
+    assert link.read(0, 2) == [7, 7]
 
 
 class MuteClient:

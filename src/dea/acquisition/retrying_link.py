@@ -84,6 +84,10 @@ class LinkError(DeviceError, ConnectionError):
     """The device cannot be reached, or does not answer."""
 
 
+class UnreachableError(LinkError):
+    """The device cannot be connected to."""
+
+
 class StoppedError(DeviceError):
     """The drive is to end: somebody asked for it, or the recorder has died or stalls."""
 
@@ -122,7 +126,7 @@ class Link:
 
         Raises
         ------
-        LinkError
+        UnreachableError
             Where nothing answers until then.
         InputError
             Where the description does not allow a connection.
@@ -139,7 +143,8 @@ class Link:
                 return
             except OSError as error:
                 if time.monotonic() + pause > deadline:
-                    raise LinkError(f"{place(self.device)} does not answer: {error}") from error
+                    problem = f"{place(self.device)} does not answer: {error}"
+                    raise UnreachableError(problem) from error
             time.sleep(pause)
             pause = min(2 * pause, LONGEST_PAUSE)
 
@@ -212,7 +217,7 @@ class Link:
                 self.log.samples.append(0)
                 return registers
             now = time.monotonic()
-            spent = attempt >= self.settings.retries or isinstance(last, LinkError)
+            spent = attempt >= self.settings.retries or isinstance(last, UnreachableError)
             if not retry or now >= end or (spent and not (passing and now < deadline)):
                 break
             if lost:
@@ -250,7 +255,7 @@ class Link:
         try:
             self.open(deadline)
         except InputError as error:
-            raise LinkError(str(error)) from error
+            raise UnreachableError(str(error)) from error
         self.log.reconnects += 1
         if self.on_connect is not None:
             # Its own requests may fail too, and must not call it again.
