@@ -107,12 +107,16 @@ def test_a_staircase_without_a_good_sample_is_said_in_a_line(module, tmp_path, c
     assert module.volts == 0.0
 
 
-@pytest.mark.parametrize(("works", "found"), [(True, "tripped"), (False, "did not trip")])
-def test_the_watchdog_is_tripped_on_purpose(serve_bench, tmp_path, works, found):
+@pytest.mark.parametrize(
+    ("works", "found", "share"),
+    [(True, "tripped", 0.03), (True, "tripped", 0.0301), (False, "did not trip", 0.03)],
+)
+def test_the_watchdog_is_tripped_on_purpose(serve_bench, tmp_path, works, found, share):
+    """A count above the top of the staircase, and one below it."""
     bench = serve_bench(virtual_clock=False, watchdog_time=0.5)
     if not works:
         bench.player.watchdog.expired = lambda now: False
-    report = commission(bench.endpoint, tmp_path / "c.partial", SETTINGS, 0.03)
+    report = commission(bench.endpoint, tmp_path / "c.partial", SETTINGS, share)
     assert report["watchdog"] == found
     assert bench.player.applied == 0
     assert bench.player.watchdog.trips == works

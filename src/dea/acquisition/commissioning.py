@@ -21,7 +21,7 @@ from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import DrivenSamples, Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.errors import DeviceError, InputError
-from dea.modbus import Device, to_physical
+from dea.modbus import Device, to_counts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,10 +146,10 @@ def _trip_watchdog(
 ) -> str:
     """Kill the guardian while it drives; return what the device did, and reset it."""
     found: dict[str, float] = {}
+    top = int(to_counts(device["output"], volts[-1]))
 
     def kill(samples: DrivenSamples, _: LinkLog) -> None:
-        requested = to_physical(device["output"], samples.requested)
-        if np.abs(requested).max() < np.abs(volts).max():
+        if top not in samples.requested:
             return
         notice = look(duty_file(device))
         if not notice.alive:
