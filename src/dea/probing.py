@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.configuration.excitation import PASSAGE
+from dea.configuration.excitation import PASSAGE, is_whole
 from dea.errors import InputError
 from dea.seeds import generator
 
@@ -108,7 +108,7 @@ class Probing:
             If the lines do not fit the sampling rate, or the stretches the excitation.
         """
         period = sampling_rate / self.lowest
-        if abs(period - round(period)) > 1e-6 * period:
+        if not is_whole(period):
             raise _refused("lowest", f"its period is {period:g} samples, not a whole number")
         if self.settle < PASSAGE:
             raise _refused(

@@ -76,3 +76,9 @@ def test_a_resolution_has_the_defaults_of_the_library():
     shared = own.keys() & library.keys()
     assert shared == {"records", "duration", "level", "another"}
     assert {name: own[name] for name in shared} == {name: library[name] for name in shared}
+
+
+def test_a_multisine_may_play_its_first_line_alone_over_one_period():
+    """49 times the rounded 1/49 is below one."""
+    line = {"kind": "multisine", "low": 0.0, "high": 1.0, "band": 1 / 49, "period": 49.0}
+    assert excitation.Multisine(duration=49.0, **line).band * 49.0 < 1.0

@@ -23,6 +23,11 @@ RECORD, PROBED = "record", "probed"  # names of excitations; the second is the f
 PASSAGE = 1.0  # s, from an excitation to a probing stretch and back
 
 
+def is_whole(period: float) -> bool:
+    """Tell whether a period, in samples, is a whole number of them."""
+    return abs(period - round(period)) <= 1e-6 * period
+
+
 class Sequence(Section):
     """What every kind of excitation has."""
 
@@ -38,16 +43,14 @@ class Sequence(Section):
             )
         return self
 
-    @model_validator(mode="after")
-    def _holds_a_period(self) -> Self:
-        band = getattr(self, "band", None)
-        if band is not None and band * self.duration < 1.0:
-            raise refuse(
-                "band",
-                f"{band:g} Hz has no period in the {self.duration:g} s of the record",
-                "Raise it, or record longer.",
-            )
-        return self
+
+def _refuse_without_period(band: float, duration: float) -> None:
+    if band * duration < 1.0:
+        raise refuse(
+            "band",
+            f"{band:g} Hz has no period in the {duration:g} s of the record",
+            "Raise it, or record longer.",
+        )
 
 
 class Gaussian(Sequence):
@@ -55,6 +58,11 @@ class Gaussian(Sequence):
 
     kind: Literal["gaussian"] = key("Gaussian noise")
     band: Positive = key("highest frequency", unit="Hz", default=1.0)
+
+    @model_validator(mode="after")
+    def _period(self) -> Self:
+        _refuse_without_period(self.band, self.duration)
+        return self
 
 
 class Bursts(Sequence):
@@ -64,6 +72,11 @@ class Bursts(Sequence):
     band: Positive = key("highest frequency of the noise", unit="Hz", default=1.0)
     active: Duration = key("length of a burst", unit="s", default=20.0)
     rest: NotNegative = key("length of a rest", unit="s", default=10.0, le=LONGEST)
+
+    @model_validator(mode="after")
+    def _period(self) -> Self:
+        _refuse_without_period(self.band, self.duration)
+        return self
 
 
 class Multisine(Sequence):
@@ -117,6 +130,11 @@ class Binary(Sequence):
 
     kind: Literal["binary"] = key("random switching between low and high")
     band: Positive = key("twice the highest rate of switching", unit="Hz", default=1.0)
+
+    @model_validator(mode="after")
+    def _period(self) -> Self:
+        _refuse_without_period(self.band, self.duration)
+        return self
 
 
 class Triangle(Sequence):

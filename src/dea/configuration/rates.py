@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from dea.configuration.excitation import is_whole
 from dea.configuration.lags import largest_lag
 from dea.configuration.study import FILE, Study
 from dea.errors import InputError
 
 _PER_LAG = 3  # samples of a stretch for each lag, as in dea.missing.stretches
-_WHOLE = 1e-6  # share by which the period of a multisine may differ, as in dea.probing
 
 
 def check_rate(study: Study, rate: float, device: str | Path) -> None:
@@ -29,7 +29,7 @@ def check_rate(study: Study, rate: float, device: str | Path) -> None:
             )
     if (probing := study.excitation.probing) is not None:
         period = rate / probing.lowest
-        if abs(period - round(period)) > _WHOLE * period:
+        if not is_whole(period):
             raise InputError(
                 f"its period holds {period:g} samples at the {rate:g} Hz of {device}, not a whole"
                 " number",
