@@ -119,7 +119,9 @@ class _Playback:
         self.laws, self._volts = laws, np.append(0.0, to_physical(panel.device["output"], counts))
         self._position, self.echo = 0, echo
         capacity, period = self.exchange.capacity, 1.0 / panel.device.sampling_rate
-        self.high_water = panel.whole("fifo_length") - 2 * capacity
+        fifo = panel.get("fifo_length")
+        assert isinstance(fifo, int)  # its description is refused otherwise
+        self.high_water = fifo - 2 * capacity
         self.pause = min(capacity * period, panel.number("watchdog_time") / 4) / 2
         self.boot = panel.get("boot")
         panel.set("command", Command.CLEAR)
@@ -157,15 +159,15 @@ class _Playback:
         if reply.index > self.wanted:
             raise self._broken("overwritten before they were read", reply.index - self.wanted)
         resting, empty = reply.origin == Origin.REST, not reply.applied.size
+        if empty and reply.state == DeviceState.TRIPPED:
+            raise self._broken(UNDRIVEN)
+        if empty and self.refusal is not None:
+            raise self._broken(str(self.refusal))
         if not (resting or empty):
             self.moved = time.monotonic()
-        elif empty and reply.state == DeviceState.TRIPPED:
-            raise self._broken(UNDRIVEN)
-        elif empty and self.refusal is not None:
-            raise self._broken(str(self.refusal))
         elif time.monotonic() - self.moved > self.panel.link.settings.reconnect_time:
             raise self._broken("the device stands still")
-        if reply.origin == Origin.PLAYED and reply.applied.size and reply.position != self.done:
+        if reply.origin == Origin.PLAYED and not empty and reply.position != self.done:
             raise self._misplaced()
         if resting and self.done and not empty:
             if reply.state != DeviceState.RUNNING:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from dea.acquisition.retrying_link import Link, LinkError
-from dea.errors import InputError
 from dea.modbus import Value, decode, encode, to_counts, to_physical
 
 CONFIRMATIONS = 20  # readings at most until two in a row agree
@@ -31,18 +30,6 @@ class Panel:
         """Raw value of a register."""
         register = self.device[name]
         return decode(register, self.link.read(register.address, register.size, register.table))
-
-    def whole(self, name: str) -> int:
-        """Raw value of an integer register."""
-        value = self.get(name)
-        if not isinstance(value, int):
-            raise InputError(
-                f"{name} holds {self.device[name].type}, not a whole number",
-                file=self.device.source,
-                field=f"registers.{name}.type",
-                remedy="Use an integer type and count 1.",
-            )
-        return value
 
     def confirmed(self, name: str) -> int | float:
         """Raw value of a numeric register, the same in two successive readings.

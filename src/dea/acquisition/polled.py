@@ -144,7 +144,8 @@ def _refuse_jump(
     BrokenRecordError
         Where the device measured nothing, or by itself for longer than a hold-up may last.
     """
-    most = int(schedule.longest_pause / schedule.period) if schedule else 0
+    # A quotient that is whole may come out below.
+    most = int(schedule.longest_pause / schedule.period + 1e-9) if schedule else 0
     if not 0 < more <= most:
         what = f"the device measured {more} more" if more > 0 else "nothing new"
         raise _broken(what, number, expected, count, max(1, min(more, most)))

@@ -48,34 +48,30 @@ def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> O
     if volts.ndim != 1 or not volts.size:
         raise InputError("the excitation holds no samples", remedy="Give at least one voltage.")
     counts = check_excitation(device, volts)
-    _refuse_fast_ramp(device, ramp_rate)
     lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
     tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
     zero = to_counts(device["output"], np.zeros(1))
     plan = OutputPlan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
-    _refuse_too_fast(device, plan)
+    _refuse_too_fast(device, plan, ramp_rate)
     return plan
 
 
-def _refuse_fast_ramp(device: Device, ramp_rate: float) -> None:
-    """Refuse a ramp beyond the largest rate, whether or not the sequence holds one.
+def _refuse_too_fast(device: Device, plan: OutputPlan, ramp_rate: float) -> None:
+    """Refuse ramps and steps beyond the largest rate.
 
-    The output is also taken to zero at this rate from wherever a drive ends.
+    A ramp is refused whether or not the sequence holds one: the output is also taken to zero at its
+    rate from wherever a drive ends.
     """
     allowed = device.safety.max_rate if device.safety else None
-    if allowed is not None and ramp_rate > allowed:
+    if allowed is None:
+        return
+    if ramp_rate > allowed:
         raise InputError(
             f"the output is to be ramped by {ramp_rate:g} V/s, and {allowed:g} V/s are allowed",
             file=device.source,
             field="safety.max_rate",
             remedy="Give a slower ramp_rate.",
         )
-
-
-def _refuse_too_fast(device: Device, plan: OutputPlan) -> None:
-    allowed = device.safety.max_rate if device.safety else None
-    if allowed is None:
-        return
     played = np.append(0.0, to_physical(device["output"], plan.counts))
     rates = np.abs(np.diff(played)) * device.sampling_rate
     one_count = abs(device["output"].scale) * device.sampling_rate
