@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.bars import progress_bars
 from benchmarks.naming import measured, trials
-from benchmarks.naming.code import digest, imported
+from benchmarks.naming.code import digest, import_graph, imported
 from benchmarks.naming.methods import methods
 from benchmarks.naming.task import Posed
 from benchmarks.stored import commit
@@ -104,6 +104,7 @@ Work = Callable[[str, Callable[[Any], Any], list[Any]], Iterator[Any]]
 
 def _workers(stack: ExitStack, cores: int) -> Work:
     """Return what does a task on each of many items in order, on so many cores, with a bar."""
+    import_graph()  # for all workers: they are forked
     bars = stack.enter_context(progress_bars())
     each = stack.enter_context(ProcessPoolExecutor(cores)).map if cores > 1 else map
 

@@ -25,7 +25,7 @@ def imported(*names: str) -> frozenset[Path]:
     Importing a module runs the packages above it, so these and their imports count too. Modules
     that are found by name at run time are not seen.
     """
-    graph = _graph()
+    graph = import_graph()
     found: set[str] = set()
     pending = list(names)
     while pending:
@@ -38,7 +38,12 @@ def imported(*names: str) -> frozenset[Path]:
 
 
 @cache
-def _graph() -> grimp.ImportGraph:
+def import_graph() -> grimp.ImportGraph:
+    """Return which module imports which.
+
+    It is read by threads that a forked process does not have: one that would call this for the
+    first time waits for ever where its parent has read any such graph before.
+    """
     return grimp.build_graph(*_SOURCES, exclude_type_checking_imports=True, cache_dir=None)
 
 
