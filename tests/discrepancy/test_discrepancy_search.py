@@ -23,7 +23,8 @@ from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import most_visible, visibility
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Columns, Fit, at, fit
+from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.free_run import Columns
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import rounds as search_rounds
@@ -276,13 +277,14 @@ def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
     if not relaxes:
         late = (problem.time / 10.0) ** 0.8
         problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
-    fitted = fit(problem, extended, np.zeros(extended.free.size))
-    for name in ("dead_zone", "stress_relaxation"):
-        found = extend_by_each(problem, [fitted], [catalogue()[name]], Budget(), 1)
-        fitted = found.candidates[0].fit
-    assert found.candidates[0].rmse < 1.5 * NOISE
-    [judged_again] = unfinish_degenerate(problem, [found], Rules(), NOISE, 1)
-    assert judged_again.candidates[0].finished == relaxes
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()[name] for name in ("dead_zone", "stress_relaxation")]
+    rounds = Search(problem, [nominal], offered, Budget(), Rules(), 1).rounds()
+    best = pool_of(rounds)[0]
+    assert best.effects == {"dead_zone", "stress_relaxation"}
+    assert best.rmse < 1.5 * NOISE
+    judged_again = pool_of(unfinish_degenerate(problem, rounds, Rules(), NOISE, 1))
+    assert [c.finished for c in judged_again if c.effects == best.effects] == [relaxes]
 
 
 @pytest.mark.slow
