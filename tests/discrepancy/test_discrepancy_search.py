@@ -34,7 +34,7 @@ from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.degenerate import unfinish_degenerate
 from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
-from dea.discrepancy.search.screening import Base, Offer, promising
+from dea.discrepancy.search.screening import Base, Offer, promising, where_it_does_nothing
 from dea.discrepancy.search.search import Search, pool_of
 from dea.simulation import (
     ForcePort,
@@ -102,6 +102,27 @@ def hidden(*names, seed=1):
         u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
     )
     return problem, extended
+
+
+def test_an_event_of_nothing_is_found_at_once_where_it_may_have_happened():
+    problem, extended = hidden()
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    effect = catalogue()["step_fault"]
+    told = replace(measured_scales(extended, nominal.values, problem), jumps=(12.0, 20.0))
+    tried = []
+
+    class Counted(Base):
+        def residual(self, *given):
+            tried.append(given)
+            return super().residual(*given)
+
+    base = Counted.of(problem, nominal)
+    found = where_it_does_nothing(problem, base, Offer(effect, told))
+    values = dict(zip(found.extended.names, found.extended.values(found.coordinates), strict=True))
+    assert values["step_fault.instant"] == pytest.approx(12.0)
+    residual = problem.residual(found.extended, found.extended.values(found.coordinates))
+    assert np.allclose(residual, nominal.residual, atol=0.1 * NOISE)
+    assert len(tried) <= 10
 
 
 @pytest.mark.parametrize("phase", np.linspace(0.0, 2 * np.pi, 9)[:-1])

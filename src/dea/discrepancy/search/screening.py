@@ -174,8 +174,8 @@ def further_steps(problem: Problem, found: Sequence[Fit], kept: int, steps: int)
 def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
     """Return where the law offered hardly changes anything, beside the first start that allows it.
 
-    One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
-    zero, a limit beyond the range, a stiffness of nothing.
+    One parameter of a start at a time is put at its prior mean, at its bounds, or far from its
+    prior: a step of nothing, a threshold at zero, a limit beyond the range.
     """
     extended = offer.attached_to(base)
     law = extended.attached[-1]
@@ -184,18 +184,20 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
     seen, noise = problem.seen, problem.noise
     for start in offer.effect.starts(law.scales):
         placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+        own = range(first, placed.size)
+        means = [(i, 0.0) for i in own if placed[i]]
+        ends = [(i, end) for i in own for end in (max(low[i], -_FAR), min(high[i], _FAR))]
         least, found = _NOTHING * noise, None
-        for i in range(first, placed.size):
-            for end in (max(low[i], -_FAR), min(high[i], _FAR)):
-                moved = placed.copy()
-                moved[i] = end
-                change = base.residual(problem, extended, moved) - base.fit.residual
-                size = rmse(change, seen)
-                if size < least:
-                    least = size
-                    found = Start(float(base.left @ base.left), base, extended, moved)
-                    if size < _SURELY_NOTHING * noise:
-                        return found
+        for i, place in (*means, *ends):
+            moved = placed.copy()
+            moved[i] = place
+            change = base.residual(problem, extended, moved) - base.fit.residual
+            size = rmse(change, seen)
+            if size < least:
+                least = size
+                found = Start(float(base.left @ base.left), base, extended, moved)
+                if size < _SURELY_NOTHING * noise:
+                    return found
         if found is not None:
             return found
     return None
