@@ -7,8 +7,7 @@ import pytest
 
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import fit
-from dea.discrepancy.free_run import cost_of
+from dea.discrepancy.fit import cost_of, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 

@@ -18,15 +18,13 @@ from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Fit, at, fit, without
-from dea.discrepancy.free_run import Columns, FreeRun, cost_of, step_in_box
+from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import starts
 from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
-from dea.least_squares import Damping, minimise
 from dea.missing import runs
 from dea.simulation import Input, catalogue, load_simulation, measured_scales, prepared
 from made_carriage import CARRIAGE
@@ -83,90 +81,6 @@ def test_the_fit_ends_where_a_simplex_search_from_the_truth_ends(seed):
     searched = minimize(cost, truth, method="Nelder-Mead", options=options)
     assert searched.success
     assert found.cost == pytest.approx(searched.fun, rel=1e-6)
-
-
-def by_differences(problem: Problem, extended, coordinates: np.ndarray) -> np.ndarray:
-    """Return the Jacobian of the residual by central differences, (n, k)."""
-
-    def residual(x):
-        return problem.residual(extended, extended.values(x))
-
-    moves = 1e-4 * np.eye(coordinates.size)
-    return np.column_stack(
-        [(residual(coordinates + m) - residual(coordinates - m)) / 2e-4 for m in moves]
-    )
-
-
-@pytest.mark.parametrize("iterations", [1, 2, 3, 5, 9])
-def test_the_last_step_of_a_fit_has_a_jacobian_of_its_own(iterations):
-    problem, extended = carriage(2)
-    start = np.full(extended.free.size, 0.8)
-    points = []
-
-    class Watched(FreeRun):
-        def linearise(self, point, iteration, exact):
-            points.append(point.x)
-            return super().linearise(point, iteration, exact)
-
-    task = Watched(problem, extended, Columns(), iterations)
-    minimise(task, start, Damping(tries=9), iterations=iterations, tolerance=0.0)
-    expected = by_differences(problem, extended, points[-1])
-    assert np.allclose(task.jacobian, expected, atol=0.01 * np.abs(expected).max())
-
-
-def test_between_two_jacobians_it_follows_the_last_step():
-    problem, extended = carriage(3)
-    task = FreeRun(problem, extended, Columns(), iterations=20)
-    first = task.evaluate(np.full(extended.free.size, 0.1))
-    task.linearise(first, 0, exact=False)
-    # So near that the cost hardly changes, the Jacobian is not computed anew.
-    second = task.evaluate(first.x + 1e-3 * np.arange(1.0, first.x.size + 1))
-    runs = []
-    with pytest.MonkeyPatch.context() as patch:
-        run = Problem.moved
-        patch.setattr(Problem, "moved", lambda *given: runs.append(1) or run(*given))
-        model = task.linearise(second, 1, exact=False)
-    assert not runs
-    assert not model.exact
-    moved, changed = second.x - first.x, second.value - first.value
-    assert np.allclose(task.jacobian @ moved, changed, atol=1e-12)
-    # Across the step the Jacobian is as it was.
-    across = np.zeros(moved.size)
-    across[:2] = moved[1], -moved[0]
-    assert np.allclose(
-        task.jacobian @ across, by_differences(problem, extended, first.x) @ across, atol=1e-4
-    )
-
-
-def test_a_step_is_corrected_for_the_curvature_of_the_residual():
-    problem, extended = carriage(5)
-    start = np.zeros(extended.free.size)
-    task = FreeRun(problem, extended, Columns(), iterations=20)
-    point = task.evaluate(start)
-    corrected = task.linearise(point, 0, exact=True).step(1.0)
-    seen = problem.seen
-    J = by_differences(problem, extended, start)[seen] / problem.noise
-    A = J.T @ J + np.eye(start.size)
-    H = A + np.diag(np.diag(A))
-    v = -np.linalg.solve(H, J.T @ (point.value[seen] / problem.noise) + start)
-    h = 0.02
-    beside = [problem.residual(extended, extended.values(start + s * h * v))[seen] for s in (1, -1)]
-    bend = (sum(beside) - 2.0 * point.value[seen]) / h**2
-    turn = -np.linalg.solve(H, J.T @ bend / problem.noise)
-    assert np.linalg.norm(turn) < 0.5 * np.linalg.norm(v)
-    assert np.linalg.norm(0.5 * turn) > 0.03 * np.linalg.norm(v)
-    assert np.allclose(corrected, v + 0.5 * turn, atol=0.02 * np.linalg.norm(v))
-
-
-def test_a_fit_takes_few_simulations():
-    problem, extended = carriage(6)
-    runs = []
-    with pytest.MonkeyPatch.context() as patch:
-        run = Problem.moved
-        patch.setattr(Problem, "moved", lambda *given: runs.append(1) or run(*given))
-        fit(problem, extended, np.full(extended.free.size, 0.5), iterations=20, tolerance=0.0)
-    # A Jacobian at each of 20 steps would take 20 for each parameter.
-    assert len(runs) < 10 * extended.free.size + 60
 
 
 def test_a_fit_without_an_effect_is_the_rest_of_it():

@@ -7,8 +7,7 @@ import pytest
 
 from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.missing import runs
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared

@@ -23,8 +23,7 @@ from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import most_visible, visibility
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Fit, at, fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, Fit, at, fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import rounds as search_rounds

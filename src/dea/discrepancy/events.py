@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, at, fit
-from dea.discrepancy.free_run import Columns, cost_of
+from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit
 from dea.discrepancy.problem import Problem
 
 # Instants that are tried in the stretch around the certified block, before the best is refined.

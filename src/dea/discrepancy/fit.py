@@ -8,18 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.free_run import Columns, FreeRun, cost_of
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities
-from dea.least_squares import Damping, minimise
+from dea.least_squares import Damping, Model, Point, minimise
 from dea.simulation import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 
+# Iterations after which slowly changing columns of the Jacobian are computed anew.
+_REFRESH = 3
 # From the least damping, nine increases lead to one at which a step is steepest descent.
 _DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
 # Difference of costs, in squares of the assumed noise, below which two fits count as equally good.
 _AS_GOOD = 3.84
 # Distance from a bound, or from its prior mean, in prior spreads, at which a coordinate is there.
 CLOSE = 1e-3
+# Prior spreads that a coordinate may move in one step.
+_LONGEST_STEP = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,37 @@ class Fit:
         return np.linalg.inv(J.T @ J / variance + np.eye(J.shape[1]))
 
 
+@dataclass(frozen=True)
+class Columns:
+    """How the columns of the Jacobian are obtained.
+
+    Parameters
+    ----------
+    held : (k,) bool, optional
+        Coordinates that stay where they start; their columns are zero, except those ``kept``.
+    kept : (n, m), optional
+        Columns for the first m coordinates that are used as they are, which saves simulations.
+    slow
+        Number of first coordinates whose columns are computed anew only every third step, and
+        before the fit ends. Without ``kept`` only.
+    """
+
+    held: np.ndarray | None = None
+    kept: np.ndarray | None = None
+    slow: int = 0
+
+
+def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
+    """Return the sum of squares over the seen samples in units of the noise, plus the prior.
+
+    It is infinite where the simulation runs away anywhere, on samples that are held out too.
+    """
+    if not np.isfinite(residual).all():
+        return np.inf
+    chosen = residual[problem.seen]
+    return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
+
+
 def at_bounds(extended: ExtendedSimulation, coordinates: np.ndarray) -> np.ndarray:
     """Return which of the free coordinates (k,) are at a bound, shape (k,)."""
     low, high = extended.bounds
@@ -118,7 +152,7 @@ def fit(
     Ends after ``iterations``, or when a step lowers the cost by no more than ``tolerance`` (a
     part of it).
     """
-    task = FreeRun(problem, extended, columns or Columns(), iterations)
+    task = _FreeRun(problem, extended, columns or Columns())
     point = minimise(task, start, _DAMPING, iterations=iterations, tolerance=tolerance)
     return Fit(extended, point.x, point.value, task.jacobian, point.cost)
 
@@ -138,3 +172,75 @@ def on_whole_record(problem: Problem, fitted: Fit) -> Fit:
     start = np.where(timing, 0.0, free.coordinates)
     held = fit(whole, fitted.extended, start, columns=Columns(held=timing))
     return held if held.cost <= free.cost + _AS_GOOD else free
+
+
+class _FreeRun:
+    """The cost of a free run, linearised by finite differences."""
+
+    def __init__(self, problem: Problem, extended: ExtendedSimulation, columns: Columns) -> None:
+        self._problem, self._extended, self._columns = problem, extended, columns
+        self._low, self._high = extended.bounds
+        size = self._low.size
+        self._free = np.ones(size, bool) if columns.held is None else ~columns.held
+        self.jacobian = np.zeros((problem.size, size))
+        if columns.kept is not None:
+            self.jacobian[:, : columns.kept.shape[1]] = columns.kept
+        self._weighed: tuple[np.ndarray, np.ndarray] | None = None
+
+    def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
+        coordinates = np.clip(x, self._low, self._high)
+        residual = self._problem.residual(self._extended, self._extended.values(coordinates))
+        return Point(coordinates, cost_of(residual, coordinates, self._problem), residual)
+
+    def linearise(self, point: Point[np.ndarray], iteration: int, exact: bool) -> Model | None:
+        if not np.isfinite(point.value).all():
+            return None
+        x, residual = point.x, point.value
+        kept, slow = self._columns.kept, self._columns.slow
+        whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or exact)
+        first = 0 if whole else slow
+        if kept is not None:
+            first = kept.shape[1]
+        fresh = np.flatnonzero(self._free & (np.arange(x.size) >= first))
+        noise, seen = self._problem.noise, self._problem.seen
+        if fresh.size or self._weighed is None:
+            self.jacobian[:, fresh] = sensitivities(
+                self._problem, self._extended, x, residual, fresh
+            )
+            J = self.jacobian[seen] / noise
+            self._weighed = J, J.T @ J + np.eye(x.size)
+        J, A = self._weighed
+        g = J.T @ (residual[seen] / noise) + x
+        reach = np.where(self._free, _LONGEST_STEP, 0.0)
+        low, high = np.maximum(self._low - x, -reach), np.minimum(self._high - x, reach)
+
+        def step(damping: float) -> np.ndarray:
+            return step_in_box(A + damping * np.diag(np.diag(A)), g, low, high)
+
+        # Kept columns are never computed anew, so that no more exact model exists.
+        return Model(point.cost, step, exact=whole or kept is not None)
+
+
+def step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step s that minimises g s + s H s / 2 within ``low`` <= s <= ``high``.
+
+    Parameters
+    ----------
+    H : (k, k)
+        Positive definite.
+    g, low, high : (k,)
+        Gradient and bounds; a coordinate whose bounds are equal stays.
+    """
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import lsq_linear
+
+    step = np.zeros(g.size)
+    inside = high > low
+    root = cholesky(H[np.ix_(inside, inside)])
+    pull = -solve_triangular(root, g[inside], trans="T")
+    free = solve_triangular(root, pull)
+    bounds = low[inside], high[inside]
+    if (free < bounds[0]).any() or (free > bounds[1]).any():
+        free = lsq_linear(root, pull, bounds, method="bvls").x
+    step[inside] = free
+    return step

@@ -3,8 +3,7 @@
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import Certified
-from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import samples_of_each
 

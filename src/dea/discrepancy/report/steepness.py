@@ -10,8 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dea.confidence import DEVIATIONS
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.free_run import cost_of
+from dea.discrepancy.fit import Fit, cost_of
 from dea.discrepancy.problem import Problem
 
 # Deviation, in prior spreads, up to which a cost counts as a parabola.

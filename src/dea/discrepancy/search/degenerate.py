@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
@@ -175,8 +174,9 @@ def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
     law = attached[index] = replace(attached[index], effect=attached[index].effect.at_limit())
     limit = replace(found.extended, attached=tuple(attached))
     own = limit.effect_slices[index]
+    columns = Columns(slow=int(np.sum(limit.free < own.start)))
     start = limit.coordinates(found.values)
-    again = fit(problem, limit, start, iterations=_STEPS)
+    again = fit(problem, limit, start, iterations=_STEPS, columns=columns)
     if not again.stable:
         values = found.values.copy()
         values[own] = [parameter.nominal for parameter in law.parameters]

@@ -7,8 +7,7 @@ from math import ceil
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import Item, Result, in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
@@ -37,7 +36,7 @@ _RUNNERS_UP = 2
 # eight records, the first six after these steps were among the first eight of 22 before them, and
 # the first four among the first five of eight.
 _AHEAD = 1.5
-# Leaders that are fitted once more, and from perturbed starts; of second effects one.
+# Leaders whose last steps have every column of the Jacobian computed anew; of second effects one.
 _POLISHED = 2
 # Part of the candidates that are fitted to the end where they are second effects: there is a round
 # of these for each leading first one.
@@ -175,7 +174,12 @@ class _Extending:
         limit = budget.near * min(map(self._error, ahead), default=0.0)
         near = [each for each in ahead if self._error(each) <= limit]
         finished = self._each(
-            lambda each: fitted_again(problem, _with_fine_steps(problem, each), budget),
+            lambda each: refine(
+                problem,
+                _with_fine_steps(problem, each),
+                budget.last_steps,
+                tolerance=budget.tolerance,
+            ),
             near,
             "final fits of the leading effects",
         )
@@ -194,7 +198,7 @@ def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[Not
 
 
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
-    """Fit once more, and from perturbed starts if much of the residual is left.
+    """Fit with every column anew, and from perturbed starts if much of the residual is left.
 
     Laws with corners give the cost kinks at which a fit can stop early. A second or third effect
     has been fitted from enough starts already.
@@ -240,7 +244,13 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
 
 def fitted_again(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """Return the fit that the last steps reach from the coordinates of another."""
-    return refine(problem, fitted, budget.last_steps, tolerance=budget.tolerance)
+    return fit(
+        problem,
+        fitted.extended,
+        fitted.coordinates,
+        iterations=budget.last_steps,
+        tolerance=budget.tolerance,
+    )
 
 
 def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:

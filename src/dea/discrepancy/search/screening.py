@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.free_run import Columns
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.sensitivity import unabsorbed
 from dea.simulation import Effect, ExtendedSimulation, Scales, motion
@@ -205,17 +204,19 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
 
 def refine(
     problem: Problem,
-    found: Fit,
+    screened: Fit,
     iterations: int,
     held: np.ndarray | None = None,
     tolerance: float = 1e-4,
 ) -> Fit:
-    """Continue a fit with a Jacobian of all parameters that are not held."""
+    """Continue a screened fit with a Jacobian of all parameters, or of all that are not held."""
+    own = screened.extended.effect_slices[-1]
+    known = int(np.sum(screened.extended.free < own.start))
     return fit(
         problem,
-        found.extended,
-        found.coordinates,
+        screened.extended,
+        screened.coordinates,
         iterations=iterations,
         tolerance=tolerance,
-        columns=Columns(held=held),
+        columns=Columns(held=held, slow=known),
     )
