@@ -121,7 +121,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             if len(found.inputs) == 1
             else "A further record that moves each input by itself may decide"
         )
-        return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
+        removed = f"The first explanation removes {_removed(found)}"
+        return f"It is {laws}, or {rivals}. {removed}: {proof}. {place}. {advice}."
     removed = f"{laws} {'removes' if alone else 'remove'} {_removed(found)}"
     if not decision.whole:
         return f"Certain part of the answer: {removed}; {proof}. {_further(found)} {place}."
