@@ -18,6 +18,7 @@ from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import (
     equation_sentence,
     label_in_words,
+    law_too_poor,
     rivals_told,
     verdict_sentence,
 )
@@ -170,8 +171,8 @@ def test_no_name_removes_less_than_nothing():
 def test_two_names_are_spoken_of_as_two():
     text = sentence(found(Status.NAMED, "dead_zone", "sensor_lag", block=(0.2, 0.02)))
     assert text == (
-        f"{ZONE} and `sensor_lag` (threshold 0.4 ± 0.1 V) remove 72 % (63 to 79 %) of the gap: "
-        f"the error on the certified samples falls from 0.2 to 0.02 mm, {NOISE}. "
+        f"Probably {ZONE} and `sensor_lag` (threshold 0.4 ± 0.1 V) remove 72 % (63 to 79 %) of the "
+        f"gap: the error on the certified samples falls from 0.2 to 0.02 mm, {NOISE}. "
         f"Their laws are too poor here: 2 noise floors remain. Without them, {NEAR}."
     )
 
@@ -195,10 +196,27 @@ def test_a_law_is_too_poor_where_more_remains_than_of_a_complete_simulation(
 ):
     levels = {"accuracy": accuracy, "coloured": coloured}
     text = sentence(found(Status.NAMED, "dead_zone", block=(0.2, after), reason=reason, **levels))
+    probably = "Probably " * ("poor" in clause)
     assert text == (
-        f"{REMOVES}: the error on the certified samples falls from 0.2 to {after:.3g} mm, {NOISE}."
+        f"{probably}{REMOVES}: the error on the certified samples falls from 0.2 to {after:.3g} mm,"
+        f" {NOISE}."
         f"{clause} Without it, {NEAR}."
     )
+
+
+@pytest.mark.parametrize(
+    ("status", "change", "poor"),
+    [
+        (Status.NAMED, {}, True),
+        (Status.NAMED, {"block": (0.2, 0.013)}, False),
+        (Status.NAMED, {"reason": Reason.COLOURED}, False),
+        (Status.NAMED, {"reason": Reason.REMAINS, "whole": False}, False),  # that is said already
+        (Status.AMBIGUOUS, {"rivals": [("sensor_lag",)]}, False),
+        (Status.UNKNOWN, {}, False),
+    ],
+)
+def test_only_a_law_of_the_whole_answer_is_called_too_poor(status, change, poor):
+    assert law_too_poor(found(status, "dead_zone", **{"block": (0.2, 0.05)} | change)) is poor
 
 
 def test_a_rival_of_the_class_that_would_do_as_well_is_told():

@@ -165,7 +165,7 @@ class Rules(Section):
         default=0.5,
     )
     poor: Number = key(
-        "certified error over that of a complete simulation, above which the sentence calls a law"
+        "certified error over that of a complete simulation, above which the verdict calls a law"
         " too poor",
         default=1.3,
         ge=1,

@@ -127,7 +127,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     if not decision.whole:
         return f"Certain part of the answer: {removed}; {proof}. {_further(found)} {place}."
     doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
-    return f"{removed}: {proof}.{doubt}{_form(found)} {place}."
+    probably = "Probably " if law_too_poor(found) else ""
+    return f"{probably}{removed}: {proof}.{doubt}{_form(found)} {place}."
 
 
 def _against(found: "Diagnosis") -> str:
@@ -197,14 +198,28 @@ def _nearest(found: "Diagnosis") -> str:
     )
 
 
-def _form(found: "Diagnosis") -> str:
-    """Say that the law of what is named is too poor, where its certified error shows it."""
-    after = found.certificate.block.after
-    left = f"{after / found.noise_floor:.2g} noise floors"
+def law_too_poor(found: "Diagnosis") -> bool:
+    """Return whether the certified error shows that the laws named as all of the answer are poor.
+
+    What looks like coloured noise is not held against them.
+    """
+    decision = found.decision
+    if decision.status is not Status.NAMED or not decision.whole or _leaves_coloured_noise(found):
+        return False
+    return found.certificate.block.after > found.rules.poor * found.floor
+
+
+def _leaves_coloured_noise(found: "Diagnosis") -> bool:
     coloured = found.decision.reason is Reason.COLOURED
-    if coloured and after > found.rules.poor * found.stated_floor:
+    return coloured and found.certificate.block.after > found.rules.poor * found.stated_floor
+
+
+def _form(found: "Diagnosis") -> str:
+    """Say what an answer leaves beyond what a complete simulation would."""
+    left = f"{found.certificate.block.after / found.noise_floor:.2g} noise floors"
+    if _leaves_coloured_noise(found):
         return f" What remains, {left}, looks like coloured noise."
-    if after <= found.rules.poor * found.floor:
+    if not law_too_poor(found):
         return ""
     one = len(found.extended.extended.attached) == 1
     laws = "Its law is" if one else "Their laws are"

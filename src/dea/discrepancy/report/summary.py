@@ -10,7 +10,12 @@ from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates, quoted
 from dea.discrepancy.report.remarks import remarks
-from dea.discrepancy.report.sentence import rivals_told, verdict_sentence, where_sentence
+from dea.discrepancy.report.sentence import (
+    law_too_poor,
+    rivals_told,
+    verdict_sentence,
+    where_sentence,
+)
 from dea.discrepancy.report.verdict import Bend, Change, NamedEffect, Verdict
 from dea.discrepancy.rules import misfit
 from dea.simulation import Family, LawCourse, Port, law_courses
@@ -62,6 +67,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
             for label in candidate.labels
         ),
         whole=found.decision.whole,
+        law_too_poor=law_too_poor(found),
         share=asdict(found.share) if found.share else None,
         presence={"effects": found.presence.effects, "families": found.presence.families},
         model_error=asdict(found.error) | {"level": found.error.level},

@@ -130,6 +130,9 @@ class Verdict:
     whole
         Whether the named effects are all of the answer, or a certain part of it; ``None`` where no
         effect is named.
+    law_too_poor
+        Whether effects named as all of the answer leave more than ``rules.poor`` times what a
+        complete simulation leaves on the certified samples, and that is no coloured noise.
     share
         Part of the misfit that they remove on held-out blocks: its value, low and high.
     presence
@@ -154,6 +157,7 @@ class Verdict:
     equation: str | None = None
     not_identifiable: tuple[str, ...] = ()
     whole: bool | None = True
+    law_too_poor: bool = False
     share: dict[str, float] | None = None
     presence: dict[str, dict[str, float]] = field(default_factory=dict)
     model_error: dict[str, float] = field(default_factory=dict)
