@@ -70,6 +70,7 @@ def verdict(status="named"):
     return {
         "status": status,
         "whole": True,
+        "law_too_poor": False,
         "effects": effects if status == "named" else [],
         "where": {"along": "input"},
         "ladder": [["nominal", 0.5], ["dead_zone", 0.1], ["noise floor", 0.05]],
@@ -407,6 +408,13 @@ def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():
 def test_the_title_says_where_something_else_is_missing():
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict() | {"whole": False})
     assert figure.get_suptitle() == "certain part of the answer: dead zone"
+
+
+def test_the_title_says_where_a_law_is_too_poor():
+    poor = verdict() | {"law_too_poor": True, "share": {"value": 0.7, "low": 0.6, "high": 0.8}}
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, poor)
+    removed = "dead zone, which removes 70 % (60 to 80 %) of the gap"
+    assert figure.get_suptitle() == f"probably: {removed}; its law is too poor"
 
 
 @pytest.mark.parametrize(

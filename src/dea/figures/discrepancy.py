@@ -107,8 +107,12 @@ def _title(verdict: Mapping[str, Any]) -> str:
     removed = ""
     if verdict.get("share") and verdict["share"]["value"] > 0.0:
         removed = f", which removes {share(**verdict['share'])} of the gap"
-    status = verdict["status"] if verdict["whole"] else "certain part of the answer"
-    return f"{status}: {names}{removed}"
+    if not verdict["whole"]:
+        return f"certain part of the answer: {names}{removed}"
+    if verdict["law_too_poor"]:
+        laws = "its law is" if len(verdict["effects"]) == 1 else "their laws are"
+        return f"probably: {names}{removed}; {laws} too poor"
+    return f"{verdict['status']}: {names}{removed}"
 
 
 def _named(effect: Mapping[str, Any]) -> str:
