@@ -10,6 +10,8 @@ def verdict(status="named", after=0.3, unit="V"):
     effects = [{"name": "end_stop"}, {"name": "output_saturation"}] if status == "named" else []
     return {
         "status": status,
+        "whole": True if status == "named" else None,
+        "law_too_poor": False,
         "effects": effects,
         "noise_floor": 0.02,
         "unit": unit,
@@ -46,6 +48,21 @@ def test_a_result_is_met_only_by_a_name_and_its_error(found, goal, met):
 def test_readers_see_what_is_not_there():
     shown = real_records({"mine": verdict("none")}, {}).shown.iloc[1]
     assert (shown["effects"], shown["met"], shown["published after"]) == ("–", "–", "–")
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        (verdict(), "named"),
+        (verdict() | {"whole": False}, "named in part"),
+        (verdict() | {"law_too_poor": True}, "named, law too poor"),
+        (verdict("unknown"), "unknown"),
+    ],
+)
+def test_a_name_that_is_not_all_of_the_answer_or_not_sure_is_said_to_be(found, said):
+    table = real_records({"mine": found}, {})
+    for rows in (table.exact, table.shown):
+        assert set(rows["verdict"]) == {said}
 
 
 def test_other_units_are_refused():

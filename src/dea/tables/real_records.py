@@ -50,7 +50,7 @@ def real_records(
             goal = published.get(name, {}).get(part)
             if goal and "units" in goal:
                 check_units(goal, verdict["unit"], f"extensions.{name}.{part}")
-            label = {"case": name, "verdict": verdict["status"], "effects": effects}
+            label = {"case": name, "verdict": _status(verdict), "effects": effects}
             values = {
                 "rmse before": errors["before"],
                 "rmse after": errors["after"],
@@ -72,6 +72,13 @@ def real_records(
                 | units
             )
     return Table(pd.DataFrame(exact), pd.DataFrame(shown))
+
+
+def _status(verdict: Mapping[str, Any]) -> str:
+    """Return the status, and of names that are not all of the answer, or not sure, that too."""
+    if verdict["whole"] is False:
+        return f"{verdict['status']} in part"
+    return f"{verdict['status']}, law too poor" if verdict["law_too_poor"] else verdict["status"]
 
 
 def _certified(certified: Mapping[str, Any]) -> dict[str, Mapping[str, float]]:
