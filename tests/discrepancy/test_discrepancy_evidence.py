@@ -249,6 +249,33 @@ def test_a_record_as_long_as_asked_for_can_be_split(slowest, warm_up):
         split(np.sin(np.arange(round(0.97 * samples))), INTERVAL, slowest, warm_up)
 
 
+@pytest.mark.parametrize("samples", [53, 56, 60, 101, 613])
+@pytest.mark.parametrize("interval", [0.01, 0.02, 0.3])
+@pytest.mark.parametrize("slowest", [2.0, 5.0])
+def test_a_record_that_is_too_short_can_be_split_with_the_time_it_is_said_to_allow(
+    samples, interval, slowest
+):
+    u = np.sin(np.arange(samples))
+    with pytest.raises(InputError, match=r"if the device is faster .* allows a time") as caught:
+        split(u, interval, slowest * samples * interval)
+    allowed = float(str(caught.value).split("a time of at most ")[1].split(" s (")[0])
+    assert split(u, interval, allowed).close
+    assert not split(u, interval, 0.99 * allowed / 3.0).close or allowed < 3.0 * interval
+    with pytest.raises(InputError, match="the split needs"):
+        split(u, interval, 1.01 * allowed + 0.01 * interval)
+
+
+def test_a_record_of_too_few_samples_is_said_to_allow_no_time():
+    with pytest.raises(
+        InputError, match=r"Record longer: whatever .* it needs 53 samples"
+    ) as caught:
+        split(np.zeros(52), INTERVAL, 5.0)
+    assert "at most" not in str(caught.value)
+    split(np.sin(np.arange(53)), INTERVAL, 0.1 * INTERVAL)
+    with pytest.raises(InputError, match=r"it needs 73 samples"):
+        split(np.zeros(72), INTERVAL, 5.0, 20 * INTERVAL)
+
+
 @pytest.mark.parametrize(("samples", "apart"), [(620, 3.0), (500, 2.5), (300, 1.5), (201, 1.0)])
 def test_a_short_record_has_blocks_as_far_apart_as_it_allows(samples, apart):
     """Of three blocks, each longer than the time constants (25 samples) between them, one quarter

@@ -7,6 +7,7 @@ import xarray as xr
 from dea.discrepancy import Samples, Settings, diagnose
 from dea.discrepancy.evidence.residual_model import dictionary
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.records import prepare, signals_of
 from dea.errors import InputError
 from dea.simulation import catalogue, measured_scales, prepared
 from dea.store import signals
@@ -55,6 +56,25 @@ def test_records_of_one_device_share_their_law_and_not_their_start():
 def test_records_sampled_otherwise_are_refused():
     with pytest.raises(InputError, match=r"record 2 is sampled every 0\.03 s"):
         diagnose([recorded(1, 0.0), signals(recorded(2, 0.0, 0.03))], CARRIAGE)
+
+
+def test_of_several_records_the_one_that_is_too_short_is_named():
+    short = signals_of(recorded(2, 0.0).isel(time=slice(100)), CARRIAGE)
+    with pytest.raises(InputError, match=r"^record 2: the record holds 2 s; .* at most 0\.2\d* s"):
+        prepare(
+            [signals_of(recorded(1, 0.0), CARRIAGE), short], CARRIAGE, Settings(slowest_time=0.5)
+        )
+
+
+def test_of_several_records_the_one_with_the_closest_blocks_is_told():
+    short = recorded(2, 0.0).isel(time=slice(300))
+    both = [signals_of(each, CARRIAGE) for each in (recorded(1, 0.0), short)]
+    _, parts, _ = prepare(both, CARRIAGE, Settings(slowest_time=0.5, warm_up=0.0))
+    assert parts.close
+    assert parts.closest == 2
+    longest = parts.largest_slowest * INTERVAL
+    _, parts, _ = prepare(both, CARRIAGE, Settings(slowest_time=0.999 * longest, warm_up=0.0))
+    assert not parts.close
 
 
 def test_no_record_is_refused():

@@ -74,7 +74,7 @@ def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coloured=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
     effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
-    slowest=9.0, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
+    slowest=9.0, closest=1, records=1, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
     timing_deviation=0.05, weighed=(),
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
@@ -100,12 +100,14 @@ def found(
         uncertainty=SimpleNamespace(deviation=np.array([0.3, 0.3, timing_deviation])),
         problem=SimpleNamespace(
             recorded_interval=0.02,
+            interval=0.02,
+            lengths=(4,) * records,
             seen=np.ones(4, bool),
             seen_rmse=lambda residual: seen,
             known=np.ones(residual.size, bool),
             decimation=decimation,
         ),
-        split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart, slowest=slowest),
+        split=Split(*3 * [np.ones(4, bool)], 1, apart, slowest, closest),
         above_white=gap,
         noise_floor=white,
         floor=float(np.hypot(white, max(accuracy, coloured))),
@@ -572,6 +574,20 @@ def test_it_is_told_that_the_certified_samples_are_close_to_the_others():
     [text] = remarks(found(Status.NONE, apart=1.53))
     assert "its certified samples are 1.5 of the slowest time constants away" in text
     assert remarks(found(Status.NONE)) == ()
+
+
+@pytest.mark.parametrize(
+    ("records", "closest", "which"), [(1, 1, "The record"), (3, 2, "Record 2")]
+)
+def test_it_is_told_which_record_is_short_and_what_can_be_done(records, closest, which):
+    """At 50 Hz the slowest time constant is 9 samples: 24 of them are 4.32 s, and half of it, which
+    blocks 1.5 of it apart allow, is 0.09 s."""
+    [text] = remarks(found(Status.NONE, apart=1.5, records=records, closest=closest))
+    assert text.startswith(f"{which} is short for a device as slow as this: ")
+    assert text.endswith(
+        " 24 of them, 4.32 s, would be long enough; so is this record if the slowest is at most "
+        "0.0899 s, which `slowest_time` states."
+    )
 
 
 def test_it_is_told_that_samples_are_too_far_apart():

@@ -134,16 +134,7 @@ def prepare(
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
-    splits = [
-        split(
-            each.u,
-            interval,
-            slowest,
-            min(settings.warm_up, LONGEST_WARM_UP * each.size * interval),
-            ~np.isnan(each.y),
-        )
-        for each in records
-    ]
+    splits = _split_each(records, slowest, settings.warm_up)
     parts = Split(
         np.concatenate([each.fit for each in splits]) & seen,
         np.concatenate([each.select for each in splits]) & seen,
@@ -151,6 +142,7 @@ def prepare(
         max(each.spacing for each in splits),
         min(each.time_constants for each in splits),
         splits[0].slowest,
+        1 + int(np.argmin([each.time_constants for each in splits])),
     )
     _require_outputs(parts, records)
     problem = Problem(
@@ -169,6 +161,19 @@ def prepare(
         lengths=extended.lengths,
     )
     return problem, parts, extended
+
+
+def _split_each(records: Sequence[Samples], slowest: float, warm_up: float) -> list[Split]:
+    """Split each record; an error names the one of several that is too short."""
+    interval, splits = records[0].interval, []
+    for number, each in enumerate(records, 1):
+        skipped = min(warm_up, LONGEST_WARM_UP * each.size * interval)
+        try:
+            splits.append(split(each.u, interval, slowest, skipped, ~np.isnan(each.y)))
+        except InputError as error:
+            field = f"record {number}" if len(records) > 1 else error.field
+            raise error.at(field=field) from None
+    return splits
 
 
 def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:

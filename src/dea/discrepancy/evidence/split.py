@@ -19,6 +19,8 @@ _SHORTEST = 10
 _BEYOND = 0.02
 # Part of its outputs that may be missing.
 _MISSING = 0.5
+# Part by which a time that is stated is below the largest one, so that no rounding exceeds it.
+_BELOW = 1e-9
 
 
 class _Pattern(NamedTuple):
@@ -42,14 +44,20 @@ class _Pattern(NamedTuple):
         shortest = max(self.in_spacings * spacing, _SHORTEST)
         return spacing * self.blocks + self.shortest_blocks * shortest
 
+    @property
+    def in_all(self) -> float:
+        """Return the spacings that all blocks and what is between them take at least."""
+        return self.blocks + self.shortest_blocks * self.in_spacings
+
     def widest(self, size: int) -> int:
         """Return the widest spacing with which it needs no more than ``size`` samples."""
-        in_spacings = size / (self.blocks + self.shortest_blocks * self.in_spacings)
-        return int(min(in_spacings, (size - self.shortest_blocks * _SHORTEST) / self.blocks))
+        return int(min(size / self.in_all, (size - self.shortest_blocks * _SHORTEST) / self.blocks))
 
 
 # The first that the record is long enough for is used.
 _PATTERNS = (_Pattern(18, 3.0, 3.0), _Pattern(8, 1.5, 1.0), _Pattern(3, 0.75, 1.0))
+# The slowest time constants of a record that is not close.
+LONG_ENOUGH = _PATTERNS[-1].in_all * _TIME_CONSTANTS
 
 
 @dataclass(frozen=True)
@@ -57,7 +65,8 @@ class Split:
     """Masks over the samples of a record, and the spacing between blocks.
 
     The spacing is given in samples, and in the slowest time constants of the device; ``slowest`` is
-    that time in samples, 0 where no mode decays.
+    that time in samples, 0 where no mode decays. Of several records ``closest`` is the number of
+    the one whose blocks are the least time constants apart.
     """
 
     fit: np.ndarray
@@ -66,11 +75,17 @@ class Split:
     spacing: int
     time_constants: float = _TIME_CONSTANTS
     slowest: float = np.inf
+    closest: int = 1
 
     @property
     def close(self) -> bool:
         """Whether the record is too short for blocks as far apart as they ought to be."""
         return self.time_constants < _TIME_CONSTANTS
+
+    @property
+    def largest_slowest(self) -> float:
+        """Slowest time, in samples, up to which a ``close`` record would not be close."""
+        return self.time_constants * self.slowest / _TIME_CONSTANTS
 
 
 def cut(blocks: Iterable[slice], length: float) -> list[slice]:
@@ -120,9 +135,28 @@ def split(
         f"the record holds {size * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed * interval:g} s",
         field="record",
-        remedy="Record longer, or give a shorter time: `split.slowest_time` of a case,"
-        " dea.discrepancy.Settings(slowest_time=…) in Python",
+        remedy=_longer(widest * interval, shortest_record(1, skipped)),
     )
+
+
+def _longer(largest: float, least: float) -> str:
+    """Say what to do about a record that can be split up to a ``largest`` slowest time (s).
+
+    Where that is zero, it holds fewer samples than the ``least`` of any record.
+    """
+    keys = "`split.slowest_time` of a case, dea.discrepancy.Settings(slowest_time=…) in Python"
+    if largest <= 0.0:
+        return f"Record longer: whatever the time ({keys}), it needs {np.ceil(least):.0f} samples"
+    return (
+        "Record longer, or if the device is faster than this, say so: the record allows a time of "
+        f"at most {rounded_down(largest):g} s ({keys})"
+    )
+
+
+def rounded_down(time: float) -> float:
+    """Return the largest time of three significant digits that is below ``time``, above zero."""
+    place = int(np.floor(np.log10(time))) - 2
+    return float(np.floor(time * (1.0 - _BELOW) / 10.0**place)) * 10.0**place
 
 
 def shortest_record(spacing: int, skipped: int = 0) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
+from dea.discrepancy.evidence.split import LONG_ENOUGH, rounded_down
 from dea.discrepancy.fit import CLOSE, at_bounds, beyond_priors
 from dea.discrepancy.report.sentence import label_in_words, labels_in_words
 from dea.simulation import TIMING_OFFSET, Family
@@ -91,12 +92,18 @@ def _dated(found: "Diagnosis") -> str:
 
 def _close(found: "Diagnosis") -> str:
     """Say that the certified samples are less apart from the others than they ought to be."""
-    if not found.split.close:
+    parts, problem = found.split, found.problem
+    if not parts.close:
         return ""
+    which = f"Record {parts.closest}" if len(problem.lengths) > 1 else "The record"
+    needed = LONG_ENOUGH * parts.slowest * problem.interval
+    allowed = rounded_down(parts.largest_slowest * problem.interval)
     return (
-        f"The record is short for a device as slow as this: its certified samples are "
-        f"{found.split.time_constants:.2g} of the slowest time constants away from those fitted "
-        "to, so that the certified error may be too small."
+        f"{which} is short for a device as slow as this: its certified samples are "
+        f"{parts.time_constants:.2g} of the slowest time constants away from those fitted "
+        "to, so that the certified error may be too small. "
+        f"{LONG_ENOUGH:.0f} of them, {needed:.3g} s, would be long enough; so is this record if "
+        f"the slowest is at most {allowed:.3g} s, which `slowest_time` states."
     )
 
 
