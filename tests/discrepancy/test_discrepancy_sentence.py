@@ -14,7 +14,7 @@ from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
-from dea.discrepancy.report.remarks import remarks
+from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (
     equation_sentence,
     label_in_words,
@@ -704,6 +704,24 @@ def test_remarks_end_the_sentence():
     texts = remarks(diagnosis)
     assert len(texts) == 3
     assert sentence(diagnosis).endswith(f"{BEFORE}. {' '.join(texts)}")
+
+
+@pytest.mark.parametrize(
+    ("status", "names", "equation", "part", "left"),
+    [
+        (Status.NAMED, ["dead_zone"], EQUATION, "50 %", "the answer leaves"),
+        (Status.AMBIGUOUS, ["dead_zone"], EQUATION, "50 %", "the answer leaves"),
+        (Status.UNKNOWN, ["dead_zone"], EQUATION, "50 %", "the simulation alone leaves"),
+        (Status.NONE, [], NO_EQUATION, "none", "the simulation alone leaves"),
+    ],
+)
+def test_how_much_of_the_rest_is_predictable_is_told_of_every_status(
+    status, names, equation, part, left
+):
+    assert remainder(found(status, *names, equation=equation)) == (
+        f"A flexible model of input, motion and time removes {part} of the error that {left}, on "
+        "samples that it was not fitted to."
+    )
 
 
 @pytest.mark.parametrize("status", list(Status))

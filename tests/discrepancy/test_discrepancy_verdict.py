@@ -32,3 +32,12 @@ def test_a_law_that_is_too_poor_is_stored(bent, tmp_path):
     poor.verdict.write(tmp_path / "verdict.json")
     assert read_verdict(tmp_path / "verdict.json").law_too_poor is True
     assert poor.verdict.sentence.startswith("Probably `sensor_nonlinearity` (")
+
+
+def test_how_predictable_the_rest_is_is_stored(bent, tmp_path):
+    unexplained = replace(bent.unexplained, ratio=0.7)
+    replace(bent, unexplained=unexplained).verdict.write(tmp_path / "verdict.json")
+    verdict = read_verdict(tmp_path / "verdict.json")
+    assert verdict.predictable == pytest.approx(0.3)
+    assert " removes 30 % of the error that the answer leaves, " in verdict.remarks[-1]
+    assert verdict.sentence.endswith(verdict.remarks[-1])

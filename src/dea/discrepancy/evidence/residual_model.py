@@ -50,6 +50,11 @@ class ResidualModel:
     equation: str
     explained: float
 
+    @property
+    def predicted(self) -> float:
+        """Part of the root mean square that the prediction removes on held-out samples."""
+        return 1.0 - self.ratio
+
 
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Return names and columns (n, m) of what a residual could depend on."""

@@ -40,6 +40,17 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
     return tuple(text for text in texts if text)
 
 
+def remainder(found: "Diagnosis") -> str:
+    """Say how much of what is left could be predicted, whatever the verdict is."""
+    left = "the answer leaves" if found.decision.answer else "the simulation alone leaves"
+    percent = f"{100 * found.unexplained.predicted:.0f} %"
+    part = "none" if percent == "0 %" else percent
+    return (
+        f"A flexible model of input, motion and time removes {part} of the error that {left}, on "
+        "samples that it was not fitted to."
+    )
+
+
 def _timing(found: "Diagnosis") -> str:
     """Say by how much the output is logged early or late, and what may pass for that."""
     fitted, problem = found.final, found.problem

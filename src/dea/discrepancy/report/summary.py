@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates, quoted
-from dea.discrepancy.report.remarks import remarks
+from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (
     law_too_poor,
     rivals_told,
@@ -34,7 +34,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         for rung in found.ladder.rungs
     }
     unfinished = found.decision.status is Status.UNKNOWN or found.decision.whole is False
-    notes = remarks(found)
+    notes = (*remarks(found), remainder(found))
     return Verdict(
         status=str(found.decision.status),
         sentence=verdict_sentence(found, effects, notes),
@@ -58,6 +58,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         unit=found.units[1],
         ladder=rungs | {"noise floor": found.noise_floor},
         equation=found.unexplained.equation if unfinished else None,
+        predictable=found.unexplained.predicted,
         not_identifiable=tuple(
             label
             for candidate, visible in zip(

@@ -125,6 +125,9 @@ class Verdict:
         noise levels below them.
     equation
         Sparse equation of what is not explained, where something is missing that has no name.
+    predictable
+        Part of the error that the answer, or where there is none the simulation alone, leaves which
+        a flexible model predicts on samples that it was not fitted to.
     not_identifiable
         Effects that this record could not show.
     whole
@@ -155,6 +158,7 @@ class Verdict:
     unit: str
     ladder: dict[str, float] = field(default_factory=dict)
     equation: str | None = None
+    predictable: float = 0.0
     not_identifiable: tuple[str, ...] = ()
     whole: bool | None = True
     law_too_poor: bool = False
