@@ -14,6 +14,7 @@ from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
+from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (
     equation_sentence,
@@ -230,6 +231,70 @@ def test_a_rival_of_the_class_that_would_do_as_well_is_told():
         "well."
     )
     assert text == f"{REMOVES}: {PROOF}. {doubt} Without it, {NEAR}."
+
+
+def lagging(name, time):
+    """A lag that is named, of a time."""
+    told = Estimate(time, "s", 0.9 * time, 1.1 * time, 0.1)
+    defining = catalogue()[name].defining
+    return NamedEffect(
+        name, "", "", {defining: told}, 0.2, 0.1, (0.7, 0.6, 0.8), quoted=(defining,)
+    )
+
+
+def fitted(*names, time):
+    """A candidate of which the last effect is a lag of a time."""
+    effect = catalogue()[names[-1].partition("@")[0]]
+    own = [Parameter("damping", "1", 1.0, 0.1), Parameter(effect.defining, "s", 0.1, 0.1)]
+    attached = [SimpleNamespace(effect=effect, parameters=own)] * len(names)
+    slices = [slice(1, 3)] * len(names)
+    extended = SimpleNamespace(attached=attached, effect_slices=slices)
+    fit = SimpleNamespace(extended=extended, values=np.array([9.0, 1.5, time]))
+    return candidate(*names, fit=fit)
+
+
+def test_explanations_that_are_all_a_lag_are_told_as_one_with_its_places():
+    rivals = [fitted("sensor_lag", time=0.0232), fitted("transport_delay", time=0.0229)]
+    unsure = found(Status.AMBIGUOUS, "electrode_lag", reason=Reason.RIVAL)
+    unsure.decision = replace(unsure.decision, rivals=tuple(rivals))
+    assert verdict_sentence(unsure, [lagging("electrode_lag", 0.0231)]).startswith(
+        "It is `electrode_lag` (time constant 0.0231 ± 0.0023 s), or sensor_lag or transport_delay."
+        f" Each holds a lag of 23 ms, of the input or of the sensor. {FIRST}: "
+    )
+    sure = found(
+        Status.NAMED, "electrode_lag", effects={"sensor_lag": 0.4, "transport_delay": 0.01}
+    )
+    sure.decision = replace(sure.decision, rivals=tuple(rivals))
+    assert (
+        "In this record sensor_lag of its class would do as well: a lag of 23 ms, of the input or "
+        "of the sensor. Without it, "
+    ) in verdict_sentence(sure, [lagging("electrode_lag", 0.0231)])
+
+
+@pytest.mark.parametrize(
+    ("own", "rival", "told"),
+    [
+        (("sensor_lag", 2.0), fitted("electrode_lag@left_wall", time=1.5),
+         "a lag of 1.5 to 2 s, of the sensor or of the input left wall"),
+        (("transport_delay", 0.02), fitted("electrode_lag", time=0.02),
+         "a lag of 20 ms, of the input"),
+        (("sensor_lag", 0.02), candidate("dead_zone"), ""),
+        (("sensor_lag", 0.02), candidate("dead_zone", "electrode_lag"), ""),
+        (("dead_zone", 0.02), fitted("electrode_lag", time=0.02), ""),
+    ],
+)  # fmt: skip
+def test_only_lags_are_told_as_one(own, rival, told):
+    assert common_lag(candidate(own[0]), [lagging(*own)], [rival]) == told
+
+
+def test_a_lag_beside_an_effect_that_all_explanations_hold_is_told():
+    answer, rival = candidate("dead_zone", "sensor_lag"), fitted("dead_zone", "slew_limit", time=1)
+    effects = [named(), lagging("sensor_lag", 0.02)]
+    assert common_lag(answer, effects, [fitted("dead_zone", "electrode_lag", time=0.02)]) == (
+        "a lag of 20 ms, of the sensor or of the input"
+    )
+    rival.fit.extended.attached[1].parameters[1] = Parameter("rate", "V/s", 1.0, 0.1)
+    assert common_lag(answer, effects, [rival]) == ""
 
 
 def test_a_rival_that_the_evidence_excludes_is_not_said_to_do_as_well():

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
+from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.rules import misfit
 from dea.number_format import estimate, share, written_out
 
@@ -112,6 +113,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         for effect, attached in zip(effects, extended.attached, strict=True)
     )
     rivals = " or ".join(rivals_in_words(found))
+    lag = common_lag(decision.answer, effects, rivals_told(found)) if decision.answer else ""
     alone = len(effects) == 1
     place = f"Without {'it' if alone else 'them'}, {place}"
     proof = f"the error on the certified samples {_change(block, unit)}, {noise}"
@@ -122,11 +124,13 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             else "A further record that moves each input by itself may decide"
         )
         removed = f"The first explanation removes {_removed(found)}"
-        return f"It is {laws}, or {rivals}. {removed}: {proof}. {place}. {advice}."
+        alike = f" Each holds {lag}." if lag else ""
+        return f"It is {laws}, or {rivals}.{alike} {removed}: {proof}. {place}. {advice}."
     removed = f"{laws} {'removes' if alone else 'remove'} {_removed(found)}"
     if not decision.whole:
         return f"Certain part of the answer: {removed}; {proof}. {_further(found)} {place}."
-    doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
+    alike = f": {lag}" if lag else ""
+    doubt = f" In this record {rivals} of its class would do as well{alike}." if rivals else ""
     probably = "Probably " if law_too_poor(found) else ""
     return f"{probably}{removed}: {proof}.{doubt}{_form(found)} {place}."
 
