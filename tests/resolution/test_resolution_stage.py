@@ -19,9 +19,10 @@ from dea import archive, modbus, store
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
-from dea.discrepancy import read_verdict
+from dea.discrepancy import Samples, read_verdict
 from dea.errors import DeviceError, InputError
 from dea.resolution import CERTIFICATE, Design, ResolutionOutcome
+from dea.simulation import catalogue, load_extended, load_simulation, measured_scales, prepared
 from dea.stages.resolve import Driven, _of_device, main, resolve
 
 pytestmark = pytest.mark.usefixtures("few_excitations")
@@ -137,6 +138,37 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     assert read_verdict(folder / "round_1/verdict.json").names == ()
 
 
+@pytest.mark.parametrize(
+    ("withdrawn", "effects"),
+    [(None, ["sensor_lag"]), (ResolutionOutcome.CONTRADICTED, [])],
+)
+def test_the_simulation_of_a_round_is_kept(source, withdrawn, effects):
+    u = np.sin(np.arange(300) / 20)
+    alone = prepared(load_simulation(made_carriage.__file__), u, INTERVAL, 1e-4)
+    values = alone.values(np.zeros(alone.free.size))
+    scales = measured_scales(alone, values, Samples(u, u, INTERVAL))
+    lagging = alone.attach(catalogue()["sensor_lag"], scales)
+    start = np.concatenate([values, lagging.attached[0].effect.starts(scales)[0]])
+    found = resolution_of(ResolutionOutcome.DECIDED).rounds[0]
+    diagnosis = SimpleNamespace(
+        **vars(found.after.diagnosis)
+        | {
+            "nominal": SimpleNamespace(extended=alone, values=values),
+            "final": SimpleNamespace(extended=lagging, values=start),
+            "problem": SimpleNamespace(recorded_interval=INTERVAL),
+        }
+    )
+    after = replace(found.after, diagnosis=diagnosis, withdrawn=withdrawn)
+    own = source("film1")
+    own.folder_of(1).mkdir(parents=True)
+    own.keep(replace(found, after=after))
+    kept, same, interval = load_extended(own.folder_of(1) / "extended_simulation.yaml")
+    assert [each.effect.name for each in kept.attached] == effects
+    fitted = diagnosis.final if effects else diagnosis.nominal
+    expected = fitted.extended.simulate(fitted.values, u, INTERVAL)
+    np.testing.assert_array_equal(kept.simulate(same, u, interval), expected)
+
+
 def test_a_run_that_fails_leaves_nothing_that_an_earlier_one_decided(case, monkeypatch):
     hand_in(case, "resolve_1", np.zeros(3), 1)
     found = resolution_of(ResolutionOutcome.DECIDED)
@@ -148,6 +180,7 @@ def test_a_run_that_fails_leaves_nothing_that_an_earlier_one_decided(case, monke
     shutil.copytree(folder, folder.with_name("another"))
     found.last.verdict.write(folder / "round_1/verdict.json")
     (folder / "round_1/posterior.json").touch()
+    (folder / "round_1/extended_simulation.yaml").touch()
     (folder / "round_1/design.json").touch()
     assert "decided" in (folder.parent / "rounds.csv").read_text()
     monkeypatch.setattr("dea.resolution.resolve", Mock(side_effect=KeyboardInterrupt))

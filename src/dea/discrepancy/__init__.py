@@ -14,6 +14,7 @@ from dea.discrepancy.report.datasets import (
     certificate_dataset,
     localisation_dataset,
 )
+from dea.discrepancy.report.simulations import save_simulation
 from dea.discrepancy.report.verdict import Estimate, NamedEffect, Verdict, read_verdict
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
@@ -45,6 +46,7 @@ __all__ = [
     "memory_of",
     "misfit",
     "read_verdict",
+    "save_simulation",
     "sensitivities",
     "shortest_record",
     "signals_of",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dea import archive, store
+from dea.discrepancy import save_simulation
 from dea.errors import InputError
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
@@ -140,9 +141,11 @@ class Kept(ABC):
         return sha in (self.first_digest(), store.sha256(self.first))
 
     def keep(self, found: ResolutionRound) -> None:
-        """Write the verdict and the probabilities after a round."""
-        folder = self.folder_of(found.number)
-        found.after.verdict.write(folder / "verdict.json")
+        """Write the verdict, its simulation and the probabilities after a round."""
+        folder, known = self.folder_of(found.number), found.after
+        known.verdict.write(folder / "verdict.json")
+        fitted = known.diagnosis.nominal if known.withdrawn else known.diagnosis.final
+        save_simulation(known.diagnosis, fitted, folder / "extended_simulation.yaml")
         posterior = {
             name: {
                 "offered": float(np.exp(found.after.posterior.log_offered[name])),

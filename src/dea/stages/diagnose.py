@@ -31,9 +31,9 @@ def diagnose(
         certificate_dataset,
         diagnose,
         localisation_dataset,
+        save_simulation,
     )
     from dea.errors import InputError
-    from dea.simulation import save_extended
 
     name = settings["system"]
     try:
@@ -66,8 +66,7 @@ def diagnose(
             seed=settings["seed"],
         )
     for fit, path in ((found.nominal, nominal), (found.final, extended)):
-        values = fit.extended.of_record(fit.values, 0)
-        save_extended(fit.extended.alone, values, found.problem.recorded_interval, path)
+        save_simulation(found, fit, path)
     found.verdict.write(verdict)
 
 

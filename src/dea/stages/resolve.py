@@ -128,7 +128,8 @@ def _simulation(named: str) -> tuple[Simulation, dict[str, Any]]:
 
 def _withdraw_found(folder: Path) -> None:
     """Remove what an earlier run has found, which one that fails must not leave as its own."""
-    found = ("resolution.nc", "probability.*", "*/verdict.json", "*/posterior.json")
+    of_round = ("verdict.json", "posterior.json", "extended_simulation.yaml")
+    found = ("resolution.nc", "probability.*", *(f"*/{name}" for name in of_round))
     for pattern in found:
         for file in folder.glob(pattern):
             file.unlink()
