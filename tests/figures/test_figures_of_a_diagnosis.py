@@ -254,6 +254,29 @@ def test_lengths_of_a_law_are_in_the_unit_of_the_output(units, output, shown, fa
     np.testing.assert_allclose(ax.lines[0].get_xdata(), factor * np.sort(np.cos(TIME)))
 
 
+@pytest.mark.parametrize(
+    ("size", "units", "label", "tick"),
+    [
+        (2e6, "N/kg", "force ($10^{6}$ N/kg)", "−2"),
+        (2e-6, "N", "force ($10^{-6}$ N)", "−2"),
+        (2e6, "1", "force ($10^{6}$)", "−2"),
+        (2e3, "N", "force (N)", "−2000"),
+    ],
+)
+def test_a_power_of_ten_of_a_force_stands_in_its_label(size, units, label, tick):
+    pushed = {
+        f"law_1_{part}": size * CERTIFICATE[f"law_1_{part}"] for part in PARTS if part != "along"
+    }
+    pushed["law_1_value"] = pushed["law_1_value"].assign_attrs(units=units, long_name="force")
+    figure = drawn_at_its_size(
+        discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE.assign(pushed), verdict())
+    )
+    ax = figure.axes[4]
+    assert ax.get_ylabel() == label
+    assert ax.yaxis.get_offset_text().get_text() == ""
+    assert tick in [text.get_text() for text in ax.get_yticklabels()]
+
+
 def test_the_band_of_a_law_is_drawn_at_the_samples_of_the_record_alone(panels):
     band, rug = panels["law"].collections
     along = np.sort(np.cos(TIME))

@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import Formatter
 from numpy.typing import NDArray
 
 from dea.figures import style
@@ -25,6 +26,8 @@ _BAND = "#F3CDB2"
 _OF_A_METRE = {"mm": 1e3, "µm": 1e6, "um": 1e6}
 # Part of a law's range on either side of it, beyond which its band is cut.
 _ROOM = 1.0
+# Powers of a thousand that numbers along an axis are written with in full.
+_PLAIN = -3, 3
 # Height of the ticks that mark the samples of a law, in parts of its axis.
 _RUG = 0.03
 
@@ -59,6 +62,17 @@ def shape(ax: Axes, certificate: xr.Dataset, number: int, unit: str) -> None:
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
+    _raise_power(ax)
+
+
+def _raise_power(ax: Axes) -> None:
+    """Put a power of ten that all values have into the label, not above the axis: text is there."""
+    power = 3 * int(np.floor(np.log10(max(map(abs, ax.get_ylim()))) / 3.0))
+    if _PLAIN[0] <= power <= _PLAIN[1]:
+        return
+    name, _, units = ax.get_ylabel().partition(" (")
+    ax.set_ylabel(f"{name} ($10^{{{power}}}${f' {units}' if units else ')'}")
+    ax.yaxis.set_major_formatter(lambda value, _: Formatter.fix_minus(f"{value / 10.0**power:g}"))
 
 
 def tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) -> None:
