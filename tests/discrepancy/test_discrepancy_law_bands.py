@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.discrepancy.report.law_bands import banded_laws
+from dea.discrepancy.report.law_bands import banded_laws, in_force_unit
 from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
 from made_carriage import CARRIAGE
 
@@ -137,3 +137,27 @@ def test_the_band_of_an_event_is_of_what_is_shown():
     assert before.any()
     np.testing.assert_allclose(law.low[before], 1.0, atol=1e-12)
     np.testing.assert_allclose(law.high[before], 1.0, atol=1e-12)
+
+
+def test_a_force_is_drawn_in_the_unit_that_its_parameters_are_told_in():
+    """The carriage's equation is of a velocity in V/s: its forces are in V/s^2."""
+    fit = extended_by("coulomb_friction", "dead_zone")
+    extended = fit.extended
+    friction, zone = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
+    defining = extended.attached[0].effect.defining
+    parameter = next(p for p in extended.attached[0].parameters if p.name == defining)
+    _, size, unit = extended.own_unit(extended.attached[0], parameter)
+    assert size != 1.0
+    law = in_force_unit(friction, extended, extended.attached[0])
+    assert (law.course.value.unit, law.course.value.name) == (unit, "force") == ("V/s^2", "force")
+    for scaled, own in (
+        (law.course.value.values, friction.course.value.values),
+        (law.low, friction.low),
+        (law.high, friction.high),
+        (law.course.idle, friction.course.idle),
+    ):
+        np.testing.assert_allclose(scaled, size * own)
+    assert in_force_unit(zone, extended, extended.attached[1]) is zone
+    bare = replace(extended.normalisations[0], unit_force=0.0)
+    none = replace(extended, normalisations=(bare,))
+    assert in_force_unit(friction, none, extended.attached[0]) is friction

@@ -308,8 +308,7 @@ class ExtendedSimulation:
         port = self.simulation.force_ports[attached.place]
         frame = self.normalisations[attached.place]
         states = {each.name: each.unit for each in self.simulation.states}
-        divisors = {each.name: each.unit for each in self.simulation.parameters}
-        force = product(states[port.equation], divisors.get(port.divisor or "", "1"), below="s")
+        force = self._force_at(port)
         units = {"force": (0.0, frame.unit_force, force)}
         if port.position is not None:
             length = states[port.position]
@@ -321,6 +320,21 @@ class ExtendedSimulation:
             }
         found = units.get(parameter.at_port, as_it_is)
         return found if found[1] else as_it_is
+
+    def force_unit(self, attached: Attached) -> tuple[float, str]:
+        """Return the unit of the force of a law at its port: its size and its name.
+
+        Where the port has none, forces are as they are.
+        """
+        size = self.normalisations[attached.place].unit_force
+        port = self.simulation.force_ports[attached.place]
+        return (size, self._force_at(port)) if size else (1.0, "1")
+
+    def _force_at(self, port: ForcePort) -> str:
+        """Return the unit of a port's forces: of its equation, times that of the divisor."""
+        states = {each.name: each.unit for each in self.simulation.states}
+        divisors = {each.name: each.unit for each in self.simulation.parameters}
+        return product(states[port.equation], divisors.get(port.divisor or "", "1"), below="s")
 
     @property
     def takes_force(self) -> bool:

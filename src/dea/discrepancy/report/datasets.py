@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.diagnosis import Diagnosis
-from dea.discrepancy.report.law_bands import banded_laws
+from dea.discrepancy.report.law_bands import banded_laws, in_force_unit
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
@@ -154,8 +154,10 @@ def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
     """Return of each named law what it acts on, what it makes of it with its band, and no law."""
     found = {}
     laws = banded_laws(diagnosis.problem, diagnosis.final, diagnosis.uncertainty.covariance)
-    for number, law in enumerate(laws, 1):
-        if law is not None:
+    extended = diagnosis.final.extended
+    for number, (found_law, attached) in enumerate(zip(laws, extended.attached, strict=True), 1):
+        if found_law is not None:
+            law = in_force_unit(found_law, extended, attached)
             along, made = law.course.along, law.course.value
             columns = (
                 ("along", along.values, along.unit, along.name),

@@ -7,7 +7,7 @@ import numpy as np
 from dea.confidence import DEVIATIONS
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.simulation import LawCourse, law_courses
+from dea.simulation import Attached, ExtendedSimulation, LawCourse, law_courses
 
 
 class BandedLaw(NamedTuple):
@@ -61,3 +61,19 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
             below += np.minimum(changes.min(axis=0), 0.0) ** 2
         banded.append(BandedLaw(course, value - np.sqrt(below), value + np.sqrt(above)))
     return banded
+
+
+def in_force_unit(law: BandedLaw, extended: ExtendedSimulation, attached: Attached) -> BandedLaw:
+    """Return a law whose force is in the unit of its port, as the verdict gives its parameters.
+
+    One that is no force stays as it is, and so does a force where the port has no unit.
+    """
+    size, unit = extended.force_unit(attached) if law.course.quantity == "force" else (1.0, "1")
+    if unit == "1":
+        return law
+    made = law.course.value
+    course = law.course._replace(
+        value=made._replace(values=size * made.values, name="force", unit=unit),
+        idle=size * law.course.idle,
+    )
+    return BandedLaw(course, size * law.low, size * law.high)
