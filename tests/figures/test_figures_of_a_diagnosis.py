@@ -376,6 +376,25 @@ def test_the_texts_of_two_laws_stay_on_the_page_and_apart():
     assert figure.bbox.x0 <= boxes[0].x0 < boxes[0].x1 < boxes[1].x0
 
 
+@pytest.mark.parametrize("drawn", [1, 2])
+def test_a_law_that_has_a_course_is_drawn_beside_one_that_has_none(drawn):
+    said = verdict()
+    second = said["effects"][0] | {"name": "coulomb_friction"}
+    said["effects"] = [*said["effects"], second]
+    course = {f"law_{drawn}_{part}": CERTIFICATE[f"law_1_{part}"] for part in PARTS}
+    bare = CERTIFICATE.drop_vars([name for name in CERTIFICATE if name.startswith("law_")])
+    figure = drawn_at_its_size(discrepancy(LOCALISATION, CANDIDATES, bare.assign(course), said))
+    axes = figure.axes[4:6]
+    shown, empty = axes if drawn == 1 else axes[::-1]
+    np.testing.assert_array_equal(shown.lines[0].get_ydata(), np.sort(np.cos(TIME)) ** 3)
+    assert not empty.lines
+    assert any(text.get_text().startswith("not drawn") for text in empty.texts)
+    assert not empty.axison
+    assert axes[0].get_title("left").startswith("dead zone\nwidth = 0.4 ± 0.15 V")
+    assert axes[1].get_title("right").startswith("coulomb friction\nwidth = 0.4 ± 0.15 V")
+    assert axes[1].get_legend() is not None
+
+
 def test_without_a_shape_each_parameter_has_its_interval_and_is_grey_where_it_may_be_zero():
     bare = CERTIFICATE.drop_vars([name for name in CERTIFICATE if name.startswith("law_")])
     figure = discrepancy(LOCALISATION, CANDIDATES, bare, verdict())

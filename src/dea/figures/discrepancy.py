@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from dea.figures import style
-from dea.figures.laws import parameters, shape, tell, text_height
+from dea.figures.laws import leave_out, parameters, shape, tell, text_height
 from dea.figures.lettering import in_words
 from dea.number_format import share
 from dea.store import Role, Sources
@@ -69,8 +69,8 @@ def discrepancy(
     series, runs = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     where, ladder = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     effects = verdict["effects"]
-    shapes = all(f"law_{k + 1}_value" in certificate for k in range(len(effects)))
-    columns = len(effects) if effects and shapes else 1
+    shapes = [f"law_{k + 1}_value" in certificate for k in range(len(effects))]
+    columns = len(effects) if any(shapes) else 1
     cells = grid[2, 0].subgridspec(1, columns)
     laws = [figure.add_subplot(cells[0, k]) for k in range(columns)]
     present = figure.add_subplot(grid[2, 1])
@@ -80,12 +80,17 @@ def discrepancy(
     _ladder(ladder, verdict)
     if not effects:
         _gains(laws[0], candidates)
-    elif shapes:
-        for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
-            shape(ax, certificate, number, verdict["unit"])
+    elif any(shapes):
+        for number, (ax, effect, shaped) in enumerate(zip(laws, effects, shapes, strict=True), 1):
             # The text of the first of two laws would leave the page on the left.
             tell(ax, effect, "left" if number < columns else "right")
-        laws[-1].legend(**_ABOVE, fontsize=6)
+            if shaped:
+                shape(ax, certificate, number, verdict["unit"])
+            else:
+                leave_out(ax)
+        drawn = [ax for ax, shaped in zip(laws, shapes, strict=True) if shaped]
+        # It is read from the right edge of the last column, whichever law is drawn.
+        laws[-1].legend(*drawn[-1].get_legend_handles_labels(), **_ABOVE, fontsize=6)
     else:
         parameters(laws[0], effects)
     _presence(present, verdict, candidates)

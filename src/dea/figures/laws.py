@@ -88,6 +88,15 @@ def tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) ->
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)
 
 
+def leave_out(ax: Axes) -> None:
+    """Leave the axes of a law empty that has no course, beside one that has."""
+    ax.set_axis_off()
+    ax.text(
+        0.5, 0.5, "not drawn: no course\nis known at its port", ha="center", va="center",
+        fontsize=6, color=style.GREY, transform=ax.transAxes,
+    )  # fmt: skip
+
+
 def _leave_room_for_law(ax: Axes, drawn: NDArray[np.float64], low: float, high: float) -> None:
     """Cut a band from ``low`` to ``high`` that would flatten the law ``drawn``, and say so."""
     least, most = float(drawn.min()), float(drawn.max())
