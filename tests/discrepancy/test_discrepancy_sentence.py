@@ -617,6 +617,27 @@ def test_priors_that_exclude_the_record_are_told(coordinates, remark):
     assert remarks(found(Status.UNKNOWN, coordinates=(2.99, -2.99, 3.0))) == ()
 
 
+@pytest.mark.parametrize(
+    ("names", "coordinates", "remark"),
+    [
+        (["dead_zone"], (3.0, 0.0), "stiffness is at its bound without the effect"),
+        (["dead_zone", "sensor_lag"], (3.0, -3.0),
+         "stiffness and gain are at their bounds without the effects"),
+    ],
+)  # fmt: skip
+def test_priors_that_an_effect_may_stand_for_end_the_sentence(names, coordinates, remark):
+    diagnosis = found(Status.NAMED, *names, apart=1.5)
+    diagnosis.nominal = SimpleNamespace(
+        extended=diagnosis.nominal.extended, coordinates=np.array([*coordinates, 0.0])
+    )
+    assert sentence(diagnosis).endswith(
+        f" Of the simulation's own parameters {remark}: if the declared priors exclude this "
+        "device, that may be all that is wrong."
+    )
+    diagnosis.decision = Decision(Status.UNKNOWN, None)
+    assert not any("bound" in text for text in remarks(diagnosis))
+
+
 def test_it_is_told_that_the_presence_is_against_what_predicts_best():
     """Of the cascaded tanks: a bent reading of many weights beside a stop."""
     first, second = ("end_stop", "sensor_nonlinearity"), ("charge_leakage", "end_stop")

@@ -39,5 +39,5 @@ def test_how_predictable_the_rest_is_is_stored(bent, tmp_path):
     replace(bent, unexplained=unexplained).verdict.write(tmp_path / "verdict.json")
     verdict = read_verdict(tmp_path / "verdict.json")
     assert verdict.predictable == pytest.approx(0.3)
-    assert " removes 30 % of the error that the answer leaves, " in verdict.remarks[-1]
-    assert verdict.sentence.endswith(verdict.remarks[-1])
+    assert " removes 30 % of the error that the answer leaves, " in verdict.remarks[0]
+    assert verdict.sentence.endswith(" ".join(verdict.remarks))

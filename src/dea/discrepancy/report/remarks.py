@@ -1,6 +1,7 @@
 """What a reader must know besides the verdict: timing, parameters at bounds, noise."""
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,12 +32,15 @@ _PARAMETER = re.compile(r"^(.+?)\.(?:record_(\d+)\.)?([^.]+)$")
 
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
-    """Return the remarks on a diagnosis, each a sentence."""
+    """Return the remarks on a diagnosis, each a sentence.
+
+    Priors that the record contradicts come last: they may be all that is wrong.
+    """
     # What a force would cause is no error to live with.
     rest = _force(found) or _noise(found)
     about_record = _rare(found), _outliers(found), _close(found)
-    about_laws = _excluded(found), _bounds(found), _laws(found)
-    texts = _timing(found), _dated(found), *about_laws, rest, *about_record
+    about_laws = _excluded(found), _laws(found)
+    texts = _timing(found), _dated(found), *about_laws, rest, *about_record, _bounds(found)
     return tuple(text for text in texts if text)
 
 
@@ -164,15 +168,30 @@ def _excluded(found: "Diagnosis") -> str:
 
 
 def _bounds(found: "Diagnosis") -> str:
-    """Name the simulation's own parameters that the record would have beyond their priors."""
-    away = [name.replace("_", " ") for name in beyond_priors(found.extended)]
-    if not away:
+    """Name the simulation's own parameters that the record would have beyond their priors.
+
+    An effect may stand for them: they are then at their bounds without it alone.
+    """
+    away = _at_their_bounds(beyond_priors(found.extended))
+    if away:
+        return f"{away}: the declared priors exclude what the record asks for."
+    alone = _at_their_bounds(beyond_priors(found.nominal))
+    if not alone or found.decision.answer is None:
         return ""
+    effects = "the effect" if len(found.decision.answer.names) == 1 else "the effects"
     return (
-        f"Of the simulation's own parameters {' and '.join(away)} "
-        f"{'is at its bound' if len(away) == 1 else 'are at their bounds'}: the declared priors "
-        "exclude what the record asks for."
+        f"{alone} without {effects}: if the declared priors exclude this device, that may be all "
+        "that is wrong."
     )
+
+
+def _at_their_bounds(names: Sequence[str]) -> str:
+    """Say which of the simulation's own parameters are at their bounds, if any is."""
+    if not names:
+        return ""
+    told = " and ".join(name.replace("_", " ") for name in names)
+    bounds = "is at its bound" if len(names) == 1 else "are at their bounds"
+    return f"Of the simulation's own parameters {told} {bounds}"
 
 
 def _laws(found: "Diagnosis") -> str:

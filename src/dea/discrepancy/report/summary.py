@@ -34,7 +34,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         for rung in found.ladder.rungs
     }
     unfinished = found.decision.status is Status.UNKNOWN or found.decision.whole is False
-    notes = (*remarks(found), remainder(found))
+    notes = (remainder(found), *remarks(found))
     return Verdict(
         status=str(found.decision.status),
         sentence=verdict_sentence(found, effects, notes),
