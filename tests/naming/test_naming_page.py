@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
+from benchmarks.naming.measured import CASES, RECORDS
 from benchmarks.naming.methods import methods
 from made_tasks import posed
 
@@ -35,6 +37,15 @@ def test_the_stored_tables_have_a_column_for_each_method(page):
     for table in ("table", "each", "records"):
         header = value(f"naming; {table};")[0].strip("| ").split(" | ")
         assert sorted(header[1:]) == titles
+
+
+def test_every_public_record_with_a_simulation_is_asked_or_named_as_left_out(page):
+    cases = {file.stem: yaml.safe_load(file.read_text()) for file in CASES.glob("*.yaml")}
+    simulated = {name for name, case in cases.items() if "simulation" in case}
+    asked = {row.strip("| ").split(" ")[0] for row in value("naming; records;")[2:]}
+    (left_out,) = re.findall(r"\*\*Records left out\.\*\*.*?\n\n", page, re.DOTALL)
+    assert simulated - asked == set(re.findall(r"`(\w+)`", left_out))
+    assert set(RECORDS) <= simulated
 
 
 def test_the_example_of_a_method_answers(page):
