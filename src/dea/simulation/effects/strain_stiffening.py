@@ -11,7 +11,7 @@ from dea.simulation.signatures import FORCE, MEMORY
 
 # Pieces of the curve beside the power, the prior deviation of the second difference of its weights,
 # and its modes: all but the straight one, which is the simulation's own stiffness.
-_PIECES, _BEND = 9, 0.03
+_PIECES, _BEND = 9, 0.016
 MODES = _PIECES + 1
 # Places in the parameters: of the curve's modes, and of what follows.
 _CURVE, _MIDDLE, _HALF = 2, 2 + MODES, 3 + MODES
