@@ -18,6 +18,7 @@ from dea.discrepancy.decision import (
     without_small_drift,
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
+from dea.discrepancy.estimation import at_its_error, on_whole_record, with_its_error
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.certificate import (
@@ -43,7 +44,7 @@ from dea.discrepancy.evidence.presence import (
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, record_names
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import Fit, on_whole_record
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem, Samples
 from dea.discrepancy.records import prepare, signals_of
@@ -167,6 +168,7 @@ def diagnose(
     decision, final, elsewhere = _certified(evidence, decided, others)
 
     # Describe.
+    within = with_its_error(problem, final, rules.clean)
     where = Where(
         *(
             localise(problem, each.residual, own.inputs, own.output_unit, problem.seen, rng)
@@ -181,7 +183,7 @@ def diagnose(
         split=parts,
         nominal=nominal,
         extended=final,
-        final=on_whole_record(problem, final) if decision.answer else final,
+        final=on_whole_record(within, final) if decision.answer else final,
         spread=evidence.held_out.spread(final),
         singles=Singles(singles, gained, tuple(visible)),
         pool=tuple(pool),
@@ -215,8 +217,10 @@ def _certified(
     if decided.answer is None:
         elsewhere = certify_elsewhere(others, nominal, nominal)
         return confirmed(decided, evidence, nominal, {}, elsewhere), nominal, elsewhere
-    final = with_events_dated(problem, decided.answer.fit)
-    left_out = leave_one_out(problem, nominal, final) if len(problem.records) > 1 else {}
+    dated = with_events_dated(problem, decided.answer.fit)
+    final = at_its_error(problem, dated, evidence.rules.clean)
+    within = with_its_error(problem, final, evidence.rules.clean)
+    left_out = leave_one_out(within, nominal, final) if len(problem.records) > 1 else {}
     tested = certify_elsewhere(others, nominal, final)
     decision = confirmed(decided, evidence, final, left_out, tested)
     if decision.answer is decided.answer:

@@ -11,14 +11,12 @@ import numpy as np
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities
 from dea.least_squares import Damping, Model, Point, minimise
-from dea.simulation import TIMING_OFFSET, ExtendedSimulation, samples_of_each
+from dea.simulation import ExtendedSimulation, samples_of_each
 
 # Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3
 # From the least damping, nine increases lead to one at which a step is steepest descent.
 _DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
-# Difference of costs, in squares of the assumed noise, below which two fits count as equally good.
-_AS_GOOD = 3.84
 # Distance from a bound, or from its prior mean, in prior spreads, at which a coordinate is there.
 CLOSE = 1e-3
 # Prior spreads that a coordinate may move in one step.
@@ -155,23 +153,6 @@ def fit(
     task = _FreeRun(problem, extended, columns or Columns())
     point = minimise(task, start, _DAMPING, iterations=iterations, tolerance=tolerance)
     return Fit(extended, point.x, point.value, task.jacobian, point.cost)
-
-
-def on_whole_record(problem: Problem, fitted: Fit) -> Fit:
-    """Return a fit estimated again on all samples, the certified ones too.
-
-    Where an effect explains the record as well without a timing offset, there is none: a delay or
-    a lag then counts in full.
-    """
-    whole = problem.whole()
-    free = fit(whole, fitted.extended, fitted.coordinates)
-    names = [fitted.extended.names[i] for i in fitted.extended.free]
-    if TIMING_OFFSET not in names:
-        return free
-    timing = np.array([name == TIMING_OFFSET for name in names])
-    start = np.where(timing, 0.0, free.coordinates)
-    held = fit(whole, fitted.extended, start, columns=Columns(held=timing))
-    return held if held.cost <= free.cost + _AS_GOOD else free
 
 
 class _FreeRun:

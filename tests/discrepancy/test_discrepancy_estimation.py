@@ -1,0 +1,52 @@
+"""The parameters of an answer that leaves more than noise."""
+
+import numpy as np
+import pytest
+
+from dea.discrepancy.estimation import at_its_error, with_its_error
+from dea.discrepancy.evidence.split import split
+from dea.discrepancy.fit import cost_of, fit
+from dea.discrepancy.problem import Problem
+from dea.simulation import catalogue, measured_scales, prepared
+from made_carriage import CARRIAGE
+
+INTERVAL, NOISE, CLEAN = 0.02, 0.003, 1.15
+INPUT = np.repeat(np.random.default_rng(1).uniform(-1, 1, 80), 25)
+
+
+def explained(error):
+    """Return a record of a bent reading with an ``error`` that moves with it, and a law's fit."""
+    extended = prepared(CARRIAGE, INPUT, INTERVAL, tolerance=1e-4)
+    still = extended.values(np.zeros(extended.free.size))
+    y = extended.simulate(still, INPUT, INTERVAL)
+    scale = float(np.std(y))
+    y = y + 0.2 * (y - y.mean()) ** 2 / scale + error * scale * np.sin(9.0 * y / scale)
+    y += NOISE * scale * np.random.default_rng(2).standard_normal(y.size)
+    parts = split(INPUT, INTERVAL, 0.1)
+    masks = parts.fit, parts.select, parts.certify
+    problem = Problem(INPUT, y, INTERVAL, *masks, NOISE * scale, 1e-4, extended.substeps)
+    scales = measured_scales(extended, still, problem)
+    law = extended.attach(catalogue()["sensor_nonlinearity"], scales)
+    start = law.coordinates(np.r_[still, catalogue()["sensor_nonlinearity"].starts(scales)[0]])
+    return problem, fit(problem, law, start, iterations=60, tolerance=1e-8)
+
+
+def test_an_answer_that_leaves_noise_stays_as_it_is():
+    problem, fitted = explained(error=0.0)
+    assert problem.seen_rmse(fitted.residual) < CLEAN * problem.noise
+    assert with_its_error(problem, fitted, CLEAN) is problem
+    assert at_its_error(problem, fitted, CLEAN) is fitted
+
+
+def test_the_laws_of_one_that_leaves_more_return_towards_their_priors():
+    problem, fitted = explained(error=0.2)
+    left = problem.seen_rmse(fitted.residual)
+    assert left > 5.0 * problem.noise
+    within = with_its_error(problem, fitted, CLEAN)
+    assert within.noise == pytest.approx(left)
+    again = at_its_error(problem, fitted, CLEAN)
+    laws = fitted.extended.of_laws
+    assert np.linalg.norm(again.coordinates[laws]) < 0.8 * np.linalg.norm(fitted.coordinates[laws])
+    assert again.cost < cost_of(fitted.residual, fitted.coordinates, within)
+    # What they give up is within the error that remains anyway.
+    assert problem.seen_rmse(again.residual) < 1.1 * left
