@@ -91,9 +91,15 @@ def _character(first: NDArray[np.complex128], second: NDArray[np.complex128]) ->
     return Character(np.abs(first[1:]) / size, np.angle(first[1:], deg=True), np.abs(second) / size)
 
 
+def study() -> dict[str, Any]:
+    """Return the settings of the study."""
+    found: dict[str, Any] = yaml.safe_load(STUDY.read_text())
+    return found
+
+
 def excitation() -> dict[str, Any]:
     """Return what the study's record is excited with, duration in s."""
-    found: dict[str, Any] = yaml.safe_load(STUDY.read_text())["excitation"]["record"]
+    found: dict[str, Any] = study()["excitation"]["record"]
     return found
 
 
@@ -170,7 +176,7 @@ def main(arguments: list[str] | None = None) -> int:
     add_store(parser)
     options = parser.parse_args(arguments)
     models = load_published(PUBLISHED)
-    rate = yaml.safe_load(PUBLISHED.read_text())["sampling_rate"]
+    rate = study()["recovery"]["sampling_rate"]
     names = list(read_bench(BENCH).actuators)
     measured = {name: published(models[name.upper()], rate) for name in names}
     made = {name: virtual(read_parameters(BENCH, name)) for name in names}

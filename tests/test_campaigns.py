@@ -1,5 +1,6 @@
 """What all campaigns share: the command that repeats them, what is kept, and what they refuse."""
 
+import csv
 import importlib
 import json
 import os
@@ -7,7 +8,9 @@ import shlex
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
+import yaml
 from benchmarks import (
     acquisition,
     calibration,
@@ -23,6 +26,7 @@ from benchmarks.coverage import __main__ as coverage
 from benchmarks.faults import __main__ as faults
 
 from dea.errors import InputError
+from dea.narx import load_published
 
 ROOT = Path(__file__).parents[1]
 
@@ -218,6 +222,44 @@ def test_every_miss_that_is_too_large_is_named():
         "dea1, gain: 0.05, at most 0.04",
         "dea1, curvature: nan, at most 0.25",
     ]
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """A folder with the project's configuration; films that do as measured stand in for its own.
+
+    What it returns writes the bench's actuators, given the end of each mean displacement over its
+    start.
+    """
+    (tmp_path / "config").mkdir()
+    for name in ("config.yaml", "published_models.yaml"):
+        (tmp_path / "config" / name).symlink_to(ROOT / "config" / name)
+    monkeypatch.chdir(tmp_path)
+    models = load_published(calibration.PUBLISHED)
+
+    def film_as_measured(name):
+        return calibration.published(models[name.upper()], 50.0)
+
+    def write(changes):
+        content = yaml.safe_load((ROOT / "config" / "bench.yaml").read_text())
+        content["actuators"] = dict.fromkeys(changes)
+        calibration.BENCH.write_text(yaml.safe_dump(content))
+        monkeypatch.setattr(calibration, "read_parameters", lambda file, name: name)
+        monkeypatch.setattr(calibration, "virtual", film_as_measured)
+        monkeypatch.setattr(
+            calibration, "means", lambda name: np.linspace(1.0, changes[name], calibration.PIECES)
+        )
+
+    return write
+
+
+def test_the_published_models_are_taken_at_the_rate_that_they_are_sampled_at(bench):
+    bench({"dea1": 1.1})
+    assert calibration.main([]) == 0
+    with calibration.TABLE.open() as table:
+        rows = list(csv.DictReader(table))
+    assert rows
+    assert all(row["measured"] == row["virtual"] for row in rows)
 
 
 def test_records_of_two_seeds_are_others_and_their_forms_go_round():
