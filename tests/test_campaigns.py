@@ -262,6 +262,19 @@ def test_the_published_models_are_taken_at_the_rate_that_they_are_sampled_at(ben
     assert all(row["measured"] == row["virtual"] for row in rows)
 
 
+def test_an_actuator_without_a_published_model_is_named_as_not_calibrated(bench, capsys):
+    bench({"dea1": 1.1, "dea7": 1.0})
+    assert calibration.main([]) == 0
+    assert "dea7 has no published model: not calibrated" in capsys.readouterr().out
+    assert "dea7" not in calibration.TABLE.read_text()
+
+
+def test_a_bench_without_any_measured_actuator_is_refused(bench):
+    bench({"dea7": 1.0})
+    with pytest.raises(InputError, match=r"bench\.yaml: actuators: none .* has a published model"):
+        calibration.main([])
+
+
 def test_records_of_two_seeds_are_others_and_their_forms_go_round():
     first, again, other = intervals.draw(1, 3), intervals.draw(1, 3), intervals.draw(2, 2)
     assert (first.y == again.y).all()
