@@ -41,6 +41,7 @@ LOW, HIGH = 1.1, 3.75  # V, the command that the models' input of -1 to 1 stands
 MIDDLE = 900.0  # s
 GAIN_WITHIN, PHASE_WITHIN, CURVATURE_WITHIN = 0.04, 4.0, 0.25  # 1, degrees, relative
 PIECES = 18  # of the record, for its mean over time
+COURSE = {"dea2": -1, "dea6": 1}  # the paper: the mean displacement falls (-1), rises (1)
 
 
 class Character(NamedTuple):
@@ -192,7 +193,7 @@ def _write(measured: Mapping[str, Character], made: Mapping[str, Character]) -> 
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write the table and the figure, print the misses; return 1 where one is too large."""
+    """Write the table and the figure, print the misses; return 1 where one may not be."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
     add_store(parser)
     options = parser.parse_args(arguments)
@@ -206,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
     FIGURE.parent.mkdir(parents=True, exist_ok=True)
     style.save(drawn(measured, made, drift, duration), [FIGURE], 200)
     print("largest misses          gain   phase   curvature   mean displacement, end over start")
-    too_large: list[str] = []
+    unlike: list[str] = []
     rows = [
         "| | gain, 0.05 to 1 Hz | phase | curvature | mean displacement, last "
         f"{duration / PIECES:.0f} s over first |",
@@ -220,7 +221,7 @@ def main(arguments: list[str] | None = None) -> int:
         rows.append(
             f"| {name} | {gain:.3f} | {phase:.1f}° | {100 * curvature:.0f} % | {change:.2f} |"
         )
-        too_large += beyond(name, misses)
+        unlike += beyond(name, misses, change)
     for name in actuators:
         if name not in measured:
             print(f"{name} has no published model: not calibrated")
@@ -231,19 +232,30 @@ def main(arguments: list[str] | None = None) -> int:
             "virtual_rise": {name: float(made[name].gain[-1] - 1.0) for name in measured},
         }
         store("calibration", command("calibration"), values)
-    if too_large:
-        print("too large: " + "; ".join(too_large), file=sys.stderr)
-    return int(bool(too_large))
+    if unlike:
+        print("not as measured: " + "; ".join(unlike), file=sys.stderr)
+    return int(bool(unlike))
 
 
-def beyond(name: str, misses: Sequence[float]) -> list[str]:
-    """Return what is said of each miss of an actuator that is larger than it may be."""
+def beyond(name: str, misses: Sequence[float], change: float) -> list[str]:
+    """Return what is said of each miss of an actuator that is larger than it may be.
+
+    ``change`` is the end of the mean displacement over its start, which has to lie on the side of 1
+    that the paper tells of, where it tells.
+    """
     limits = {"gain": GAIN_WITHIN, "phase (°)": PHASE_WITHIN, "curvature": CURVATURE_WITHIN}
-    return [
+    said = [
         f"{name}, {what}: {miss:.3g}, at most {limit:g}"
         for (what, limit), miss in zip(limits.items(), misses, strict=True)
         if not miss <= limit
     ]
+    course = COURSE.get(name, 0)
+    if course and not course * change > course:
+        said.append(
+            f"{name}, mean displacement, end over start: {change:.3g}, "
+            f"{'above' if course > 0 else 'below'} 1 in the paper"
+        )
+    return said
 
 
 if __name__ == "__main__":

@@ -217,11 +217,24 @@ def test_a_clone_is_measured(documents, tmp_path, monkeypatch, capsys):
 
 
 def test_every_miss_that_is_too_large_is_named():
-    assert calibration.beyond("dea1", (0.03, 3.9, 0.2)) == []
-    assert calibration.beyond("dea1", (0.05, 3.9, float("nan"))) == [
+    assert calibration.beyond("dea1", (0.03, 3.9, 0.2), 1.1) == []
+    assert calibration.beyond("dea1", (0.05, 3.9, float("nan")), 1.1) == [
         "dea1, gain: 0.05, at most 0.04",
         "dea1, curvature: nan, at most 0.25",
     ]
+
+
+def test_a_mean_displacement_that_does_not_fall_or_rise_as_in_the_paper_is_named(bench, capsys):
+    bench({"dea1": 0.9, "dea2": 0.9, "dea6": 1.1})
+    assert calibration.main([]) == 0
+    bench({"dea1": 1.1, "dea2": 1.1, "dea6": 0.9})
+    assert calibration.main([]) == 1
+    said = capsys.readouterr().err
+    assert "dea2, mean displacement, end over start: 1.1, below 1 in the paper" in said
+    assert "dea6, mean displacement, end over start: 0.9, above 1 in the paper" in said
+    assert "dea1" not in said
+    [unknown] = calibration.beyond("dea2", (0.0, 0.0, 0.0), float("nan"))
+    assert "nan" in unknown
 
 
 @pytest.fixture
