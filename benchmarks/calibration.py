@@ -145,16 +145,15 @@ def drawn(
     figure = style.page_figure(style.FULL_WIDTH, 30.0 * len(made) + 12.0)
     grid = figure.subplots(len(made), 4, sharex="col", sharey="col", squeeze=False)
     panels = (
-        ("gain over that at 0.02 Hz", GAIN_AT, "gain", GAIN_WITHIN),
-        ("phase (°)", GAIN_AT, "phase", PHASE_WITHIN),
-        ("curvature", CURVATURE_AT, "curvature", None),
+        ("gain over that at 0.02 Hz", GAIN_AT, "gain"),
+        ("phase (°)", GAIN_AT, "phase"),
+        ("curvature", CURVATURE_AT, "curvature"),
     )
     for row, (name, own) in zip(grid, made.items(), strict=True):
-        for ax, (_, at, field, within) in zip(row[:3], panels, strict=True):
+        for ax, (_, at, field) in zip(row[:3], panels, strict=True):
             target, value = getattr(measured[name], field), getattr(own, field)
-            margin = CURVATURE_WITHIN * target if within is None else within
             ax.fill_between(
-                at, target - margin, target + margin, color=style.PALE, lw=0, label="asked for"
+                at, *asked_for(field, target), color=style.PALE, lw=0, label="asked for"
             )
             ax.plot(at, target, "o", color=style.BLACK, mfc="none", label="measured")
             ax.plot(at, value, "-", color=style.VERMILION, label="virtual")
@@ -179,17 +178,33 @@ def _labelled(bottom: NDArray[np.object_]) -> None:
     axes[3].set_xlabel("time (min)")
 
 
-def _write(measured: Mapping[str, Character], made: Mapping[str, Character]) -> None:
+def asked_for(field: str, target: Array) -> tuple[Array, Array]:
+    """Return the lowest and the highest values of a field of Character that are no miss."""
+    absolute = {"gain": GAIN_WITHIN, "phase": PHASE_WITHIN}
+    margin = absolute[field] if field in absolute else CURVATURE_WITHIN * target
+    return target - margin, target + margin
+
+
+def _write(
+    measured: Mapping[str, Character], made: Mapping[str, Character], changes: Mapping[str, float]
+) -> None:
     TABLE.parent.mkdir(exist_ok=True)
     with TABLE.open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["actuator", "quantity", "frequency_hz", "measured", "virtual"])
+        table.writerow(
+            ["actuator", "quantity", "frequency_hz", "measured", "virtual", "lowest", "highest"]
+        )
         for name, own in made.items():
             for field, at in zip(Character._fields, (GAIN_AT, GAIN_AT, CURVATURE_AT), strict=True):
-                pairs = zip(at, getattr(measured[name], field), getattr(own, field), strict=True)
+                target = getattr(measured[name], field)
+                columns = (at, target, getattr(own, field), *asked_for(field, target))
                 table.writerows(
-                    [name, field, f"{f:g}", f"{a:.3f}", f"{b:.3f}"] for f, a, b in pairs
+                    [name, field, f"{f:g}", *(f"{value:.3f}" for value in values)]
+                    for f, *values in zip(*columns, strict=True)
                 )
+            course = COURSE.get(name, 0)
+            bounds = ("1" if course > 0 else "", "1" if course < 0 else "")
+            table.writerow([name, "drift", "", "", f"{changes[name]:.3f}", *bounds])
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -203,7 +218,8 @@ def main(arguments: list[str] | None = None) -> int:
     made = {name: virtual(read_parameters(BENCH, name)) for name in measured}
     duration = excitation()["duration"]
     drift = {name: means(name) for name in measured}
-    _write(measured, made)
+    changes = {name: float(mean[-1] / mean[0]) for name, mean in drift.items()}
+    _write(measured, made, changes)
     FIGURE.parent.mkdir(parents=True, exist_ok=True)
     style.save(drawn(measured, made, drift, duration), [FIGURE], 200)
     print("largest misses          gain   phase   curvature   mean displacement, end over start")
@@ -216,7 +232,7 @@ def main(arguments: list[str] | None = None) -> int:
     for name in measured:
         misses = made[name].misses(measured[name])
         gain, phase, curvature = misses
-        change = drift[name][-1] / drift[name][0]
+        change = changes[name]
         print(f"{name:<20}{gain:>8.3f}{phase:>7.1f}°{100 * curvature:>10.0f} %{change:>12.3f}")
         rows.append(
             f"| {name} | {gain:.3f} | {phase:.1f}° | {100 * curvature:.0f} % | {change:.2f} |"

@@ -272,7 +272,28 @@ def test_the_published_models_are_taken_at_the_rate_that_they_are_sampled_at(ben
     with calibration.TABLE.open() as table:
         rows = list(csv.DictReader(table))
     assert rows
-    assert all(row["measured"] == row["virtual"] for row in rows)
+    assert all(row["measured"] == row["virtual"] for row in rows if row["quantity"] != "drift")
+
+
+def test_the_table_of_the_calibration_tells_limits_next_to_values(bench):
+    bench({"dea1": 1.1, "dea2": 0.9, "dea6": 1.2})
+    calibration.main([])
+    with calibration.TABLE.open() as table:
+        rows = list(csv.DictReader(table))
+    drift = {row["actuator"]: row for row in rows if row["quantity"] == "drift"}
+    assert {name: row["virtual"] for name, row in drift.items()} == {
+        "dea1": "1.100", "dea2": "0.900", "dea6": "1.200",
+    }  # fmt: skip
+    assert {name: (row["lowest"], row["highest"]) for name, row in drift.items()} == {
+        "dea1": ("", ""), "dea2": ("", "1"), "dea6": ("1", ""),
+    }  # fmt: skip
+    half = {"gain": lambda _: 0.04, "phase": lambda _: 4.0, "curvature": lambda value: value / 4}
+    for row in rows:
+        if row["quantity"] != "drift":
+            value = float(row["measured"])
+            margin = half[row["quantity"]](value)
+            assert float(row["lowest"]) == pytest.approx(value - margin, abs=1e-3)
+            assert float(row["highest"]) == pytest.approx(value + margin, abs=1e-3)
 
 
 def test_an_actuator_without_a_published_model_is_named_as_not_calibrated(bench, capsys):
