@@ -407,6 +407,7 @@ def confirmation(seed: int) -> xr.Dataset:
                 "even_frequency": over("even_frequency", [0.1, 0.2, 0.3], "Hz"),
                 "part": ["real", "imag"],
             },
+            attrs={"tracker": "local", "estimator": "local", "model_band_withheld": ""},
         ),
         "confirmation",
     )  # fmt: skip

@@ -179,7 +179,11 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     band = RelativeBand(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
     wide = RelativeBand(np.full(H2.shape, 0.1), np.full(H2.shape, 0.1))
     whole = confirmation(measured, found, [Modelled(H1, band, H2, wide)] * 2, 1.0)
-    store.write(whole, tmp_path / "confirmation.nc", title="Confirmation")
+    origin = {"tracker": "local", "estimator": "rls", "model_band_withheld": ""}
+    path = tmp_path / "confirmation.nc"
+    with pytest.raises(InputError, match="estimator: the attribute is missing"):
+        store.write(whole.assign_attrs(tracker="local"), path, title="Confirmation")
+    store.write(whole.assign_attrs(origin), path, title="Confirmation")
     back = store.read(tmp_path / "confirmation.nc")
     assert back["inside"].values.all()
     np.testing.assert_array_equal(back["in_band"], back["frequency"] <= 1.0)

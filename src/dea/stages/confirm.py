@@ -39,7 +39,11 @@ def confirm(
         narx, tracked, responses, measured.stretches, f, store.signals(record).sampling_rate
     )
     result = confirmed(measured.dataset, measured.found, modelled, highest)
-    result.attrs["model_band_withheld"] = str(tracked["withheld"].values)
+    result.attrs |= {
+        "tracker": settings["gfrf"]["tracker"],
+        "estimator": str(tracked["estimator"].values),
+        "model_band_withheld": str(tracked["withheld"].values),
+    }
     store.write(
         result,
         confirmation,

@@ -23,13 +23,22 @@ class Variable:
 
 @dataclass(frozen=True)
 class Contract:
-    """The variables a dataset must have, and those it may have."""
+    """The variables a dataset must have, those it may have, and attributes it must have."""
 
     required: Mapping[str, Variable]
     optional: Mapping[str, Variable] = field(default_factory=dict)
+    attributes: tuple[str, ...] = ()
 
     def check(self, dataset: xr.Dataset, file: Path) -> None:
         """Raise :class:`InputError` where ``dataset`` breaks the contract."""
+        for name in self.attributes:
+            if name not in dataset.attrs:
+                raise InputError(
+                    "the attribute is missing",
+                    file=file,
+                    field=name,
+                    remedy=f"It holds {', '.join(sorted(map(str, dataset.attrs))) or 'none'}",
+                )
         for name, variable in {**self.required, **self.optional}.items():
             if name not in dataset.variables:
                 if name in self.required:
@@ -328,7 +337,8 @@ CONTRACTS: Mapping[str, Contract] = {
                     "ratio_radius",
                 )
             },
-        }
+        },
+        attributes=("tracker", "estimator", "model_band_withheld"),
     ),
     "scores": Contract(
         required={
