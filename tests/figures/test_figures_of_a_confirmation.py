@@ -94,3 +94,13 @@ def test_a_band_that_reaches_zero_ends_a_decade_below_the_model():
     lowest = axes[0, 0].collections[0].get_paths()[0].vertices[:, 1].min()
     assert lowest == pytest.approx(0.1 * gain)
     assert axes[3, 0].get_ylim()[0] == pytest.approx(0.7 * 3e-5)
+
+
+def test_the_reason_why_the_models_band_is_withheld_stands_above():
+    found = made.confirmation(1).assign_attrs(model_band_withheld="the residual is not white")
+    legend = confirmation(found, "dea1").legends[0]
+    assert legend.get_title().get_text() == (
+        "dea1\nno 95 % band of the model: the residual is not white"
+    )
+    said = [text.get_text() for text in legend.get_texts()]
+    assert "$H_1$ of the tracked model, whose band is withheld" in said

@@ -27,6 +27,17 @@ def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     assert tex.count("%") == tex.count(r"\%") > 0  # else a comment to LaTeX
 
 
+def test_the_reason_why_a_band_is_withheld_is_said(each, saved):
+    found = each(made.confirmation)
+    found["dea1"].attrs["model_band_withheld"] = "the residual is not white"
+    csv, md, tex = saved(confirmation(found))
+    own = csv.set_index("actuator")["band of the model"]
+    assert (own.loc["dea1"] == "withheld: the residual is not white").all()
+    assert (own.drop("dea1") == "in it").all()
+    assert "withheld: the residual is not white" in md
+    assert "withheld: the residual is not white" in tex
+
+
 @pytest.mark.parametrize(("lines_in_band", "at_2_hz"), [(3, -50.0), (4, np.nan), (5, np.nan)])
 def test_an_extrapolated_gain_is_of_a_line_near_by_outside_the_band(
     lines_in_band, at_2_hz, each, saved

@@ -1,5 +1,7 @@
 """Frequency responses of the tracked model against those measured without a model."""
 
+from textwrap import wrap
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -16,6 +18,7 @@ _MEASURED = style.BLACK
 _CUT = 0.1  # of the model's gain, below which its band is not drawn, as it may reach zero
 _WIDE = 3  # stretches, up to which a column has room for all labels of its axes
 _LINEAR = 2.0  # % or degrees, up to which the axis of differences is linear
+_LINE = 110  # letters of a line above the legend
 
 
 def draw(sources: Sources) -> Figure:
@@ -63,9 +66,19 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     # What was measured, which is an error bar, and so last among the handles, comes first.
     first = [*handles[-1:], *handles[:-1]], [*labels[-1:], *labels[:-1]]
     last = axes[3, 0].get_legend_handles_labels()
-    figure.legend(*first, loc="outside upper center", ncols=2, title=name, title_fontsize=7)
+    figure.legend(
+        *first, loc="outside upper center", ncols=2, title=_title(found, name), title_fontsize=7
+    )
     figure.legend(*last, loc="outside lower center", ncols=3, columnspacing=1.2)
     return figure
+
+
+def _title(found: xr.Dataset, name: str) -> str:
+    """Return the actuator's name, and why its model has no band where it is withheld."""
+    reason = found.attrs["model_band_withheld"]
+    return "\n".join(
+        [name, *wrap(f"no 95 % band of the model: {reason}", _LINE)] if reason else [name]
+    )
 
 
 def _band_edge(ax: Axes, found: xr.Dataset) -> None:
@@ -80,7 +93,7 @@ def _band_edge(ax: Axes, found: xr.Dataset) -> None:
 
 
 def _gain(ax: Axes, part: xr.Dataset) -> None:
-    withheld, its_band = part.attrs.get("model_band_withheld"), "with its 95 % band"
+    withheld, its_band = part.attrs["model_band_withheld"], "with its 95 % band"
     frequency = part["frequency"].values
     gain = np.hypot(*part["response"].transpose("part", "frequency").values)
     modelled = np.abs(as_complex(part["model"]).values)

@@ -46,13 +46,14 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
     even = part.isel(even_frequency=part["even_in_band"].values >= _OF_THE_BAND)
     gain = np.hypot(*band["response"].transpose("part", "frequency").values)
     sizes = np.hypot(*even["ratio"].transpose("part", "even_frequency").values)
+    reason = part.attrs["model_band_withheld"]
     row: dict[str, str | float] = {
         "lines": int(band["inside"].size),
         "lines in band": int(band["inside"].sum()),
         "largest difference of gain (%)": 100 * _largest(band["gain_difference"]),
         "of phase (degrees)": _largest(band["phase_difference"]),
         "joint band of gain (%)": 100 * float(band["gain_band"].median()),
-        "band of the model": "withheld" if part.attrs.get("model_band_withheld") else "in it",
+        "band of the model": f"withheld: {reason}" if reason else "in it",
         "noise (%)": 100 * float(np.median(band["response_noise"].values / gain)),
         "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
         "even lines": int(even["even_inside"].size),
