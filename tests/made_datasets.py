@@ -397,6 +397,7 @@ def confirmation(seed: int) -> xr.Dataset:
                 "even_predicted": over(at_even, np.full((3, 3), 1e-4), "mm"),
                 "even_noise": over(at_even, np.full((3, 3), 3e-5), "mm"),
                 "even_in_band": over(at_even, np.tile([0.99, 0.95, 0.5], (3, 1))),
+                "even_judged": over(at_even, np.tile([1, 1, 0], (3, 1)).astype(np.int8)),
                 "even_inside": over(at_even, np.tile([1, 0, 0], (3, 1)).astype(np.int8)),
                 "ratio_radius": over(at_even, np.full((3, 3), 0.2)),
             },

@@ -178,7 +178,7 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     H1, H2 = responses(found[0].lines)
     band = RelativeBand(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
     wide = RelativeBand(np.full(H2.shape, 0.1), np.full(H2.shape, 0.1))
-    whole = confirmation(measured, found, [Modelled(H1, band, H2, wide)] * 2, 1.0)
+    whole = confirmation(measured, found, [Modelled(H1, band, H2, wide)] * 2, 1.0, 0.9)
     origin = {"tracker": "local", "estimator": "rls", "model_band_withheld": ""}
     path = tmp_path / "confirmation.nc"
     with pytest.raises(InputError, match="estimator: the attribute is missing"):
@@ -189,7 +189,9 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     np.testing.assert_array_equal(back["in_band"], back["frequency"] <= 1.0)
     np.testing.assert_allclose(back["model_gain_high"][0], 1.01 * np.abs(H1))
     np.testing.assert_allclose(back["model_gain_low"][0], np.abs(H1) / 1.01)
-    judged = back["even_in_band"].values > 0.9
+    judged = back["even_judged"].values == 1
+    np.testing.assert_array_equal(judged, back["even_in_band"] >= 0.9)
+    assert 0 < judged.sum() < judged.size
     assert np.mean(back["even_inside"].values[judged]) > 0.9
 
 

@@ -27,6 +27,15 @@ def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     assert tex.count("%") == tex.count(r"\%") > 0  # else a comment to LaTeX
 
 
+def test_even_lines_are_counted_where_they_are_judged(each, saved):
+    found = each(made.confirmation)
+    for one in found.values():
+        one["even_judged"][:] = [0, 0, 1]
+    csv, _, _ = saved(confirmation(found))
+    assert (csv["even lines"] == 1).all()
+    assert (csv["even lines in band"] == 0).all()
+
+
 def test_the_reason_why_a_band_is_withheld_is_said(each, saved):
     found = each(made.confirmation)
     found["dea1"].attrs["model_band_withheld"] = "the residual is not white"

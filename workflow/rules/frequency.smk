@@ -37,7 +37,7 @@ rule confirm:
         "results/{actuator}/benchmark/confirm.tsv"
     priority: 1
     params:
-        settings=settings("gfrf.tracker"),
+        settings=settings("gfrf.tracker", "confirmation"),
     shell:
         stage(
             "confirm --settings {params.settings:q} --probed {input.probed:q}"

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from dea.configuration.acquisition import Acquisition, Actuator, Bench
+from dea.configuration.confirmation import Confirmation
 from dea.configuration.control import Control
 from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
@@ -50,6 +51,7 @@ class Study(Section):
     figures: Figures = key("how figures are drawn")
     tracking: Tracking = key("parameters that change with time")
     gfrf: Gfrf = key("frequency responses over time")
+    confirmation: Confirmation = key("frequency responses measured without a model")
     control: Control = key("controllers tried on the actuators")
     trials: Trials = key("blind trials")
     discrepancy: Discrepancy = key("what the simulation of a system is missing")

@@ -39,7 +39,11 @@ class Modelled(NamedTuple):
 
 
 def confirmation(
-    measured: xr.Dataset, found: list[BestLinear], modelled: list[Modelled], highest: float
+    measured: xr.Dataset,
+    found: list[BestLinear],
+    modelled: list[Modelled],
+    highest: float,
+    even_above: float,
 ) -> xr.Dataset:
     """Add what a model says, and whether it agrees, to a best linear approximation.
 
@@ -51,6 +55,9 @@ def confirmation(
         The model's responses, by stretch.
     highest
         The highest frequency, in Hz, at which the model was identified: the end of the band.
+    even_above
+        Part of the predicted power of an even line that pairs of lines in the band make up, from
+        which the line is judged.
 
     Returns
     -------
@@ -71,7 +78,7 @@ def confirmation(
             "1",
             "1 where the model was identified",
         ),
-        **_of_ratios(even),
+        **_of_ratios(even, even_above),
         **_of_agreements(found, modelled),
         **_of_even_lines(found, even, measured["output_level"].attrs["units"]),
         **_of_even_agreements(found, even, modelled, last),
@@ -96,7 +103,8 @@ def _of_models(modelled: list[Modelled], units: str) -> Variables:
     }
 
 
-def _of_ratios(even: list[Intermodulation]) -> Variables:
+def _of_ratios(even: list[Intermodulation], even_above: float) -> Variables:
+    in_band = np.stack([each.in_band for each in even])
     return {
         "ratio": (
             (*_EVEN, "part"),
@@ -106,9 +114,15 @@ def _of_ratios(even: list[Intermodulation]) -> Variables:
         ),
         "even_in_band": (
             _EVEN,
-            np.stack([each.in_band for each in even]),
+            in_band,
             "1",
             "1 less the squared part of the prediction by pairs of lines outside the band",
+        ),
+        "even_judged": (
+            _EVEN,
+            (in_band >= even_above).astype(np.int8),
+            "1",
+            "1 where pairs of lines in the band make up enough of the prediction to judge it",
         ),
     }
 

@@ -38,7 +38,9 @@ def confirm(
     modelled = modelled_stretches(
         narx, tracked, responses, measured.stretches, f, store.signals(record).sampling_rate
     )
-    result = confirmed(measured.dataset, measured.found, modelled, highest)
+    result = confirmed(
+        measured.dataset, measured.found, modelled, highest, settings["confirmation"]["even_above"]
+    )
     result.attrs |= {
         "tracker": settings["gfrf"]["tracker"],
         "estimator": str(tracked["estimator"].values),

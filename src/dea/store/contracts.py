@@ -333,6 +333,7 @@ CONTRACTS: Mapping[str, Contract] = {
                     "even_predicted",
                     "even_noise",
                     "even_in_band",
+                    "even_judged",
                     "even_inside",
                     "ratio_radius",
                 )

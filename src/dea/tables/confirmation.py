@@ -21,7 +21,6 @@ _SHOWN = {
     **{f"gain at {f:g} Hz (%)": f"error of extrapolated gain at {f:g} Hz (%)" for f in _BEYOND},
 }
 _OWN_BAND = {"in it": "in the joint band"}
-_OF_THE_BAND = 0.9  # share of a line's predicted power, from which it is judged
 
 
 def tabulate(sources: Sources) -> Table:
@@ -43,7 +42,7 @@ def confirmation(found: Mapping[str, xr.Dataset]) -> Table:
 
 def _row(part: xr.Dataset) -> dict[str, str | float]:
     band = part.isel(frequency=part["in_band"].values == 1)
-    even = part.isel(even_frequency=part["even_in_band"].values >= _OF_THE_BAND)
+    even = part.isel(even_frequency=part["even_judged"].values == 1)
     gain = np.hypot(*band["response"].transpose("part", "frequency").values)
     sizes = np.hypot(*even["ratio"].transpose("part", "even_frequency").values)
     reason = part.attrs["model_band_withheld"]
