@@ -381,6 +381,7 @@ def confirmation(seed: int) -> xr.Dataset:
         "model_phase_high": (angle + 1, "degree"), "gain_difference": (difference, "1"),
         "phase_difference": (turn - angle, "degree"), "gain_band": (0.03 + 0 * size, "1"),
         "phase_band": (1.5 + 0 * size, "degree"), "inside": (inside, "1"),
+        "excited_level": (0.01 + 0 * size, "mm"),
     }  # fmt: skip
     return checked(
         xr.Dataset(

@@ -69,9 +69,24 @@ def test_even_lines_are_drawn_beside_their_prediction_and_the_noise(drawn):
     found, axes = drawn
     part = found.isel(stretch=2)
     labelled = {line.get_label(): line.get_ydata() for line in axes[3, 2].lines}
-    for label, name in (("measured", "measured"), ("noise", "noise"),
+    for label, name in (("even lines, measured", "measured"), ("noise", "noise"),
                         ("predicted from $H_2$ of the tracked model", "predicted")):  # fmt: skip
         np.testing.assert_array_equal(labelled[label], part[f"even_{name}"])
+
+
+def test_odd_lines_that_are_not_excited_are_drawn_apart_from_even_ones(drawn):
+    found, axes = drawn
+    for stretch in range(3):
+        [odd] = [
+            line
+            for line in axes[3, stretch].lines
+            if line.get_label() == "odd lines that are not excited, measured"
+        ]
+        part = found.isel(stretch=stretch)
+        which = part["odd"].values == 1
+        np.testing.assert_array_equal(odd.get_xdata(), part["detection_frequency"].values[which])
+        np.testing.assert_array_equal(odd.get_ydata(), part["output_level"].values[which])
+        assert same_color(odd.get_color(), style.VERMILION)
 
 
 def test_the_interval_of_each_even_line_is_drawn_and_those_outside_are_hollow(drawn):

@@ -170,6 +170,10 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     response = measured["response"].values[..., 0] + 1j * measured["response"].values[..., 1]
     np.testing.assert_allclose(response[1], found[1].response)
     np.testing.assert_allclose(measured["response_std"][0], np.sqrt(found[0].total))
+    linear = np.abs(found[0].response * found[0].input[:, found[0].lines])
+    level = np.sqrt(np.mean(linear**2, axis=0))
+    np.testing.assert_allclose(measured["excited_level"][0], level, rtol=1e-2)
+    assert measured["excited_level"].attrs["units"] == "mm"
     width = measured["gain_high"] - measured["gain_low"]
     np.testing.assert_allclose(width[0], 2 * found[0].half_width())
     turn = measured["phase_high"] - measured["phase_low"]

@@ -27,6 +27,22 @@ def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     assert tex.count("%") == tex.count(r"\%") > 0  # else a comment to LaTeX
 
 
+def test_even_distortion_is_told_from_noise_and_from_odd_distortion(each, saved):
+    """Even lines in the band hold 5 and 13, noise of them 3 and 5, and the odd one a thousand."""
+    found = each(made.confirmation)
+    for one in found.values():
+        one["output_level"][:] = np.array([5.0, 1000.0, 13.0, 1000.0]) * 1e-5
+        one["output_noise"][:] = np.array([3.0, 1.0, 5.0, 1.0]) * 1e-5
+        one.coords["detection_frequency"] = [0.1, 0.15, 0.2, 1.1]
+    csv, md, _ = saved(confirmation(found))
+    # 4e-5 and 12e-5 are left, at 0.01 of the excited lines.
+    np.testing.assert_allclose(csv["even distortion (%)"], 0.8)
+    assert "even distortion, median (%)" in md
+    for one in found.values():
+        one["odd"][:] = 1
+    assert saved(confirmation(found))[0]["even distortion (%)"].isna().all()
+
+
 def test_even_lines_are_counted_where_they_are_judged(each, saved):
     found = each(made.confirmation)
     for one in found.values():

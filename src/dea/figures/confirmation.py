@@ -28,7 +28,7 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def confirmation(found: xr.Dataset, name: str) -> Figure:
-    """Draw gains, differences and even lines (rows) at each stretch (columns) of one actuator."""
+    """Draw gains, differences and lines not excited (rows) at each stretch (columns)."""
     count = found.sizes["stretch"]
     figure = style.page_figure(style.FULL_WIDTH, 205)
     axes = figure.subplots(4, count, squeeze=False, sharey="row", height_ratios=[6, 4, 4, 5])
@@ -52,7 +52,8 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
         if count <= _WIDE or column == count // 2:
             axes[2, column].set_xlabel("frequency (Hz)")
             axes[3, column].set_xlabel("frequency of the line (Hz)")
-    levels = [found[f"even_{kind}"].values for kind in ("measured", "predicted", "noise")]
+    shown = [f"even_{kind}" for kind in ("measured", "predicted", "noise")]
+    levels = [*(found[name].values for name in shown), _odd_lines(found)["output_level"].values]
     least = min(each[each > 0.0].min(initial=np.inf) for each in levels)
     if np.isfinite(least):
         axes[3, 0].set_ylim(bottom=0.7 * least)  # not the end of a band, which may be zero
@@ -61,7 +62,7 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     axes[1, 0].set_ylabel("difference\nof gain (%)")
     axes[2, 0].set_ylabel("difference\nof phase (degrees)")
     even_units = found["even_measured"].attrs["units"]
-    axes[3, 0].set_ylabel(style.quantity("even lines\nof the output", even_units))
+    axes[3, 0].set_ylabel(style.quantity("lines that are not\nexcited, of the output", even_units))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     # What was measured, which is an error bar, and so last among the handles, comes first.
     first = [*handles[-1:], *handles[:-1]], [*labels[-1:], *labels[:-1]]
@@ -147,7 +148,7 @@ def _even(ax: Axes, part: xr.Dataset) -> None:
     )  # fmt: skip
     for kind, marker, size, colour, label in (
         ("predicted", "_", 5.0, _MODEL, "predicted from $H_2$ of the tracked model"),
-        ("measured", "o", 2.2, _MEASURED, "measured"),
+        ("measured", "o", 2.2, _MEASURED, "even lines, measured"),
         ("noise", ".", 2.5, style.GREEN, "noise"),
     ):
         ax.plot(
@@ -158,4 +159,15 @@ def _even(ax: Axes, part: xr.Dataset) -> None:
         frequency[outside], part["even_measured"].values[outside], "o", ms=2.2, mew=0.6,
         mec=_MEASURED, mfc="white", label="measured, outside of it in size and phase together",
     )  # fmt: skip
+    odd = _odd_lines(part)
+    ax.plot(
+        odd["detection_frequency"], odd["output_level"], "x", ms=2.5, mew=0.6,
+        color=style.VERMILION, label="odd lines that are not excited, measured",
+    )  # fmt: skip
     ax.set_yscale("log")
+
+
+def _odd_lines(found: xr.Dataset) -> xr.Dataset:
+    """Return the odd lines that are not excited, as far as even lines are drawn."""
+    drawn = found["detection_frequency"] <= found["even_frequency"].max()
+    return found.isel(detection_frequency=((found["odd"] == 1) & drawn).values)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
-from dea.nonparametric.best_linear import BestLinear, best_linear
+from dea.nonparametric.best_linear import BestLinear, Lines, best_linear
 from dea.nonparametric.periods import Periods, periods_of
 from dea.store import Described, complex_parts, read_record, signals, variable
 from dea.units import ratio
@@ -62,10 +62,11 @@ def best_linear_approximation(
         ``response_std`` by noise and nonlinear distortion, and ``distortion``, the standard
         deviation of the response to one realisation by nonlinear distortion alone; the 95 % bands
         ``gain_low``, ``gain_high``, ``phase_low``, ``phase_high`` (degrees), which hold zero and a
-        whole turn where the response is not told from zero. Over (stretch,
-        detection_frequency), lines that are not excited: ``output_level``, the root mean square
-        of the output's Fourier coefficients in output units, and ``output_noise``, what of it
-        noise explains; ``odd`` (detection_frequency) is 1 at odd and 0 at even lines.
+        whole turn where the response is not told from zero; ``excited_level``, the root mean
+        square of the output's Fourier coefficients in output units. Over (stretch,
+        detection_frequency), lines that are not excited: the same as ``output_level``, and
+        ``output_noise``, what of it noise explains; ``odd`` (detection_frequency) is 1 at odd and 0
+        at even lines.
 
     Raises
     ------
@@ -128,12 +129,16 @@ def labelled(
     gain, angle = np.abs(response), np.degrees(np.angle(response))
     turn = np.where(half < gain, np.degrees(half / gain), 180.0)
     detection = first.detection
+    coefficient = "Fourier coefficient of the output, root mean square over realisations"
 
     def at_lines(values: np.ndarray, unit: str, name: str) -> Described:
         return variable(("stretch", "frequency"), values, unit, name)
 
-    def elsewhere(variances: list[np.ndarray], name: str) -> Described:
-        return variable(("stretch", "detection_frequency"), np.sqrt(np.stack(variances)), y, name)
+    def elsewhere(variances: np.ndarray, name: str) -> Described:
+        return variable(("stretch", "detection_frequency"), np.sqrt(variances), y, name)
+
+    def power(lines: Lines) -> np.ndarray:
+        return np.stack([np.mean(np.abs(each.output[:, lines]) ** 2, axis=0) for each in found])
 
     def std(variances: list[np.ndarray], name: str) -> Described:
         return at_lines(np.sqrt(np.stack(variances)), gain_units, f"standard deviation {name}")
@@ -160,12 +165,10 @@ def labelled(
             "gain_high": at_lines(gain + half, gain_units, "upper end of the gain's 95 % band"),
             "phase_low": at_lines(angle - turn, "degree", "lower end of the phase's 95 % band"),
             "phase_high": at_lines(angle + turn, "degree", "upper end of the phase's 95 % band"),
-            "output_level": elsewhere(
-                [np.mean(np.abs(each.output[:, detection]) ** 2, axis=0) for each in found],
-                "Fourier coefficient of the output, root mean square over realisations",
-            ),
+            "excited_level": at_lines(np.sqrt(power(first.lines)), y, coefficient),
+            "output_level": elsewhere(power(detection), coefficient),
             "output_noise": elsewhere(
-                [np.mean(each.output_noise[:, detection], axis=0) for each in found],
+                np.stack([np.mean(each.output_noise[:, detection], axis=0) for each in found]),
                 "standard deviation of that coefficient by noise",
             ),
             "odd": variable(

@@ -301,6 +301,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "response": _plain("stretch", "frequency", "part"),
             "model": _plain("stretch", "frequency", "part"),
             "in_band": _plain("frequency", units="1"),
+            "excited_level": _plain("stretch", "frequency"),
             "output_level": _plain("stretch", "detection_frequency"),
             "output_noise": _plain("stretch", "detection_frequency"),
             "odd": _plain("detection_frequency", units="1"),

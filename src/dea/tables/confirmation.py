@@ -17,6 +17,7 @@ _SHOWN = {
     "band of the model": "the model's own band",
     "noise (%)": "noise, median (%)",
     "odd distortion (%)": "odd distortion, median (%)",
+    "even distortion (%)": "even distortion, median (%)",
     "median ratio": "even lines, measured over predicted, median",
     **{f"gain at {f:g} Hz (%)": f"error of extrapolated gain at {f:g} Hz (%)" for f in _BEYOND},
 }
@@ -55,6 +56,7 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
         "band of the model": f"withheld: {reason}" if reason else "in it",
         "noise (%)": 100 * float(np.median(band["response_noise"].values / gain)),
         "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
+        "even distortion (%)": 100 * _even_distortion(part),
         "even lines": int(even["even_inside"].size),
         "even lines in band": int(even["even_inside"].sum()),
         "median ratio": float(np.median(sizes)) if sizes.size else np.nan,
@@ -62,6 +64,17 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
     for beyond in _BEYOND:
         row[f"gain at {beyond:g} Hz (%)"] = 100 * _extrapolated(part, beyond)
     return row
+
+
+def _even_distortion(part: xr.Dataset) -> float:
+    """Return the median level of even lines in the band, less noise, over that of excited lines."""
+    excited = part.isel(frequency=part["in_band"].values == 1)
+    highest = excited["frequency"].max()
+    lines = (part["odd"] == 0) & (part["detection_frequency"] <= highest)
+    even = part.isel(detection_frequency=lines.values)
+    power = even["output_level"].values ** 2 - even["output_noise"].values ** 2
+    whole = np.mean(excited["excited_level"].values ** 2)
+    return float(np.median(np.sqrt(np.maximum(power, 0.0) / whole))) if power.size else np.nan
 
 
 def _extrapolated(part: xr.Dataset, beyond: float) -> float:
