@@ -53,6 +53,12 @@ def test_the_bridge_is_a_hyperbola_through_both_ends():
     np.testing.assert_allclose(x / y, line, atol=1e-4)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_most_bent_bridge_reads_a_number_up_to_four_travels_above_its_range(seed):
+    law = built("sensor_nonlinearity", "unbalanced_bridge", 1.2, seed)[0]
+    assert np.isfinite(through(law, np.linspace(Y[0], Y[-1] + 4 * TRAVEL, 10_001))).all()
+
+
 def test_the_lever_s_tangent_is_straight():
     read = through(built("sensor_nonlinearity", "lever_angle", 0.5)[0], Y)
     steep = 2.5 * 0.5

@@ -299,7 +299,8 @@ def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Bu
     def bridge(y: Array) -> Array:
         place = (y - conditions.bottom) / conditions.travel
         x = np.clip(place, -0.9, 2.5)
-        value: Array = conditions.bottom + conditions.travel * ((1.0 + bend) * x / (1.0 + bend * x))
+        rest = np.maximum(1.0 + bend * x, 1e-4)  # the largest bend has its pole at 2.5 travels
+        value: Array = conditions.bottom + conditions.travel * ((1.0 + bend) * x / rest)
         return value + conditions.travel * (place - x)
 
     return Built(reading_curve(bridge, conditions), {})
