@@ -4,14 +4,16 @@ from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from dea.arrays import Array, Complex
+from dea.confidence import LEVEL
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import Intermodulation
 
 # Radius of the circle that holds two independent normal errors in 95 %, over the half-width of the
 # interval that holds one: roots of the chi-squared quantiles of two and of one degree of freedom.
-_BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
+_BOTH = float(np.sqrt(chdtri(2, 1.0 - LEVEL) / chdtri(1, 1.0 - LEVEL)))
 
 
 class RelativeBand(NamedTuple):
