@@ -18,7 +18,8 @@ class Proportion(NamedTuple):
 def wilson(successes: float, trials: float) -> Proportion:
     """Return the share ``successes / trials`` with Wilson's score interval.
 
-    Of dependent trials both are numbers of independent ones, and need not be whole.
+    Of dependent trials both are numbers of independent ones, and need not be whole:
+    ``scipy.stats.binomtest``, whose interval is the same, takes whole numbers alone.
 
     E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
     """
