@@ -1,17 +1,21 @@
-"""What a clone takes: time and space of its environment and of its first study.
+"""What a clone takes: time, memory and space of its environment and of its first study.
 
 ``python -m benchmarks.fresh_clone`` clones the commit that is checked out into a new folder. Other
 programs stretch the time that passes, and hardly that of the processor.
 """
 
 import argparse
+import csv
 import json
+import math
 import os
 import resource
 import subprocess
 import tempfile
 import time
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from benchmarks.command_line import add_store, positive, run
 from benchmarks.stored import ROOT, command, store
@@ -33,6 +37,20 @@ def megabytes(folder: Path) -> int:
     return round(sum(path.stat().st_blocks * 512 for path in files) / 1e6)
 
 
+def largest_job(results: Path) -> int | None:
+    """Return the most memory, in MB, that a job of a study had in use; None where no job tells.
+
+    Snakemake samples it, and writes NA, - or nan for a job that ends before the first sample.
+    """
+    found = []
+    for file in results.glob("**/benchmark/*.tsv"):
+        with file.open(newline="", encoding="utf-8") as table:
+            for row in csv.DictReader(table, delimiter="\t"):
+                with suppress(ValueError):
+                    found.append(float(row["max_rss"]))
+    return max((round(each) for each in found if math.isfinite(each)), default=None)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Clone, make the environment and the study, and print what it took."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fresh_clone", description=__doc__)
@@ -47,7 +65,7 @@ def main(arguments: list[str] | None = None) -> None:
         clone = options.keep or Path(temporary, "clone")
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
         make = ["make", f"CORES={options.cores}"]
-        values = {
+        values: dict[str, Any] = {
             "cores": options.cores,
             "environment": measured([*make, "env"], clone, environment),
             "study": measured([*make, "study"], clone, environment),
@@ -55,6 +73,7 @@ def main(arguments: list[str] | None = None) -> None:
         }
         values["environment"]["megabytes"] = megabytes(clone / ".venv")
         values["study"]["megabytes"] = megabytes(clone / "results")
+        values["study"]["largest_job_megabytes"] = largest_job(clone / "results")
     if options.store:
         store("fresh_clone", command("fresh", CORES=options.cores), values)
     print(json.dumps(values, indent=1))

@@ -216,6 +216,16 @@ def test_a_clone_is_measured(documents, tmp_path, monkeypatch, capsys):
     assert not documents.exists()
 
 
+def test_the_memory_of_a_study_is_that_of_its_largest_job(tmp_path):
+    for system, name, used in (("dea1", "select", "210.4"), ("figures", "fig1", "612.7"),
+                               ("dea1", "track", "-"), ("dea2", "gfrf", "nan")):  # fmt: skip
+        file = tmp_path / system / "benchmark" / f"{name}.tsv"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"s\tmax_rss\tmax_vms\n3.1\t{used}\t9000\n")
+    assert fresh_clone.largest_job(tmp_path) == 613
+    assert fresh_clone.largest_job(tmp_path / "dea2") is None
+
+
 def test_every_miss_that_is_too_large_is_named():
     assert calibration.beyond("dea1", (0.03, 3.9, 0.2), 1.1) == []
     assert calibration.beyond("dea1", (0.05, 3.9, float("nan")), 1.1) == [
