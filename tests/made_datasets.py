@@ -106,6 +106,7 @@ def common_model(names) -> xr.Dataset:
             {
                 "parameter": over(per_term, rng.standard_normal(size)),
                 "standard_error": over(per_term, rng.uniform(0.001, 0.1, size)),
+                "withheld": over("system", np.full(len(names), "")),
                 "nmse": over(per_model, rng.uniform(1e-4, 1e-2, pair)),
                 "terms": over(per_model, np.full(pair, len(TERMS))),
                 "stability": over(per_model, np.full(pair, "stable")),

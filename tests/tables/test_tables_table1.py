@@ -1,10 +1,12 @@
 """Table 1 holds the parameters and scores of the datasets: exact in CSV, rounded for readers."""
 
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import made_datasets as made
+from dea.number_format import number
 from dea.tables.table import CAPTIONS
 from dea.tables.table1 import _estimate, table1
 
@@ -44,6 +46,28 @@ def test_table1_holds_every_parameter_and_score(each, names, saved):
     assert md.splitlines()[-2:] == ["", CAPTIONS]
     assert tex.count(r"\\") == len(csv) + 1
     assert "$y_{t-1}u_{t-3}^{2}$" in tex
+
+
+def test_standard_errors_that_do_not_hold_are_withheld_with_the_reason(names, saved, each):
+    models, common = each(made.model), made.common_model(names)
+    models[names[0]].attrs["withheld"] = "the residual is not white"
+    common["withheld"] = common["withheld"].astype(object)
+    common["withheld"][-1] = "too few equations"
+    csv, md, _ = saved(table1(models, each(made.validation), common))
+    own, shared = (csv[csv.structure == kind].set_index("term") for kind in ("own", "common"))
+    label = "standard errors withheld"
+    assert own.loc[label, names[0]] == "the residual is not white"
+    assert shared.loc[label, names[-1]] == "too few equations"
+    assert own.get(f"{names[0]} standard error", pd.Series(dtype=float)).isna().all()
+    term = str(models[names[0]]["term"].values[0])
+    cells = [
+        line.split("|")[3].strip()
+        for line in md.splitlines()
+        if [cell.strip() for cell in line.split("|")[1:3]] == ["own", term]
+    ]
+    value = float(models[names[0]]["parameter"].sel(term=term))
+    [cell] = cells
+    assert cell.startswith(f"{number(value, 4)} ± withheld (")
 
 
 def test_table1_prints_inclusion_frequencies_of_own_terms_alone():

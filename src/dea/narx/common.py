@@ -49,6 +49,11 @@ def compare_structures(
             [each.standard_errors for each in models],
             "standard error of the parameter",
         ),
+        "withheld": (
+            ("system",),
+            [each.withheld for each in models],
+            "why standard errors do not hold; empty where they do",
+        ),
         "nmse": (per_model, errors, "SSE/SST in free run on data not used"),
         "stability": (per_model, statuses, "stable, slow or unstable"),
         "terms": (

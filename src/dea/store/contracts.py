@@ -176,6 +176,7 @@ CONTRACTS: Mapping[str, Contract] = {
         required={
             "parameter": _plain("system", "term", units="1"),
             "standard_error": _plain("system", "term", units="1"),
+            "withheld": _plain("system", units="1"),
             "nmse": _plain("structure", "system", units="1"),
             "terms": _plain("structure", "system", units="1"),
             "stability": _plain("structure", "system", units="1"),

@@ -54,45 +54,62 @@ def _own_terms(models: Mapping[str, xr.Dataset], exactly: bool) -> list[_Row]:
         for name, model in models.items():
             has = text in model["term"].values
             values = model.sel(term=text) if has else None
-            row |= _cells(name, values, exactly, ("standard_error", "inclusion_frequency"))
+            valid = not model.attrs.get("withheld")
+            row |= _cells(name, values, exactly, ("standard_error", "inclusion_frequency"), valid)
         rows.append(row)
     count = {name: model["term"].size for name, model in models.items()}
     rows.append(_labelled("own", "number of terms", count, exactly))
     status = {name: str(model.attrs.get("stability", DASH)) for name, model in models.items()}
     rows.append(_labelled("own", "stability", status, exactly))
-    return rows
+    reasons = {name: str(model.attrs.get("withheld", "")) for name, model in models.items()}
+    return rows + _withheld("own", reasons, exactly)
 
 
 def _common_terms(common: xr.Dataset, exactly: bool) -> list[_Row]:
     rows: list[_Row] = []
+    withheld = common["withheld"]
+    reasons = {str(name): str(withheld.sel(system=name).item()) for name in common["system"].values}
     for term in sorted(
         map(str, common["term"].values), key=lambda text: Term.parse(text).reading_order
     ):
         row: _Row = {"structure": "common", "term": term}
         for name in map(str, common["system"].values):
             values = common[["parameter", "standard_error"]].sel(term=term, system=name)
-            row |= _cells(name, values, exactly, ("standard_error",))
+            row |= _cells(name, values, exactly, ("standard_error",), not reasons[name])
         rows.append(row)
     for variable, label in (("terms", "number of terms"), ("stability", "stability")):
         row_of = common[variable].sel(structure="common")
         found = {str(name): row_of.sel(system=name).item() for name in common["system"].values}
         rows.append(_labelled("common", label, found, exactly))
-    return rows
+    return rows + _withheld("common", reasons, exactly)
 
 
-def _cells(name: str, values: xr.Dataset | None, exactly: bool, qualities: tuple[str, ...]) -> _Row:
-    """One term of one actuator: a cell for readers, or a column for each quantity."""
+def _cells(
+    name: str, values: xr.Dataset | None, exactly: bool, qualities: tuple[str, ...], valid: bool
+) -> _Row:
+    """One term of one actuator: a cell for readers, or a column for each quantity.
+
+    A standard error that is not ``valid`` is left out, and its cell says that it is withheld.
+    """
     if values is None:
         return {name: None if exactly else DASH}
     found = {
         quality: float(values[quality])
         for quality in ("parameter", *qualities)
-        if quality in values
+        if quality in values and (valid or quality != "standard_error")
     }
     if exactly:
         extra = {f"{name} {each.replace('_', ' ')}": found.get(each) for each in qualities}
         return {name: found["parameter"], **{k: v for k, v in extra.items() if v is not None}}
-    return {name: _estimate(**found)}
+    return {name: _estimate(**found, withheld=not valid)}
+
+
+def _withheld(structure: str, reasons: Mapping[str, str], exactly: bool) -> list[_Row]:
+    """Why standard errors are withheld, where that is so of any actuator."""
+    if not any(reasons.values()):
+        return []
+    said = {name: reason or DASH for name, reason in reasons.items()}
+    return [_labelled(structure, "standard errors withheld", said, exactly)]
 
 
 def _scores(validations: Mapping[str, xr.Dataset], form: Callable[[str, float], Any]) -> list[_Row]:
@@ -138,13 +155,16 @@ def _estimate(
     parameter: float,
     standard_error: float | None = None,
     inclusion_frequency: float | None = None,
+    withheld: bool = False,
 ) -> str:
     """A parameter with as many digits as its standard error leaves, that error, and the share.
 
     The error is given to two digits where it begins with a one or a two, else to one, and the
     parameter to the same place.
     """
-    if not standard_error or not isfinite(standard_error):
+    if withheld:
+        text = f"{number(parameter, 4)} ± withheld"
+    elif not standard_error or not isfinite(standard_error):
         text = number(parameter, 4)
     else:
         first = 10.0 ** (ceil(log10(standard_error)) - 1)  # the place of the error's first digit
