@@ -93,6 +93,7 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 	@echo "C code, and the same as an FMU, are in results/$(NAME)/handover."
+	@sed -n 's/^ [*] \(Stability .*\)/\1/p' results/$(NAME)/handover/model.h
 
 control: $(VENV)/installed ## after discrepancy (tens of minutes), controllers follow a reference on every virtual actuator
 	$(SNAKEMAKE) control_all

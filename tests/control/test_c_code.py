@@ -4,13 +4,14 @@ import ctypes
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dea.control import c_identifier, to_c
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling
+from dea.narx import NarxModel, Scaling, Stability
 from published_plants import published_plants
 
 COMPILER = shutil.which("cc")
@@ -162,3 +163,15 @@ def test_every_system_has_a_name_in_c(name):
     assert (
         f"{c_identifier(name)}_step" in to_c(PLANTS["DEA1"], 50.0, name=c_identifier(name)).source
     )
+
+
+@pytest.mark.parametrize("status", ["stable", "slow", "unstable"])
+def test_the_header_says_whether_the_model_is_stable(status):
+    said = "Stability on inputs like those of the record that it was selected from"
+    assert f" * {said}: not tested.\n" in to_c(PLANTS["DEA1"], 50.0).header
+    checked = Stability(
+        inputs=np.array([0.0]), outputs=np.array([0.0]),
+        poles=np.array([{"stable": 0.9, "slow": 0.999, "unstable": 1.1}[status]]),
+        holds=(1, 1), runs=(1, 1), surrogates=(1, 1), samples=100,
+    )  # fmt: skip
+    assert f" * {said}: {status}.\n" in to_c(replace(PLANTS["DEA1"], checked=checked), 50.0).header

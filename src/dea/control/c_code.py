@@ -63,6 +63,7 @@ def to_c(model: NarxModel, sampling_rate: float | None = None, *, name: str = "m
         "name": name,
         "guard": name.upper(),
         "rate": rate,
+        "status": model.status,
         "period": number(1.0 / rate),
         "inputs": f"{input_lags(model)}U",
         "outputs": f"{output_lags(model)}U",

@@ -5,6 +5,8 @@ HEADER = """\
  *
 {equation}
  *
+ * Stability on inputs like those of the record that it was selected from: {status}.
+ *
  * C99. All state is in {name}_state, which the caller owns; nothing is allocated, and each call
  * takes the same time. Inputs and outputs are in physical units, the state in those of the
  * equation. Generated from the model's file: change the model and generate again.

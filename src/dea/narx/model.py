@@ -302,6 +302,11 @@ class NarxModel:
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, StabilityTest([segment]))
 
+    @property
+    def status(self) -> str:
+        """``stable``, ``slow`` or ``unstable`` in its selection; ``not tested`` without one."""
+        return "not tested" if self.checked is None else self.checked.status
+
     def to_dataset(self, u_units: Text | None = None, y_units: str | None = None) -> xr.Dataset:
         """Return the model and its trace as labelled data, as ``model.nc`` holds them.
 
