@@ -31,6 +31,7 @@ def test_each_test_record_is_scored(tmp_path):
     found = scored(tmp_path, later=10.0, drifting_clock=10.001)
     assert found["part"].values.tolist() == ["later", "drifting_clock"]
     assert np.all(found["nmse"] < 1e-20)
+    assert str(found["stability"].values) == "not tested"
 
 
 def test_all_structures_are_scored_on_the_same_samples(tmp_path):

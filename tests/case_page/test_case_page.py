@@ -45,6 +45,7 @@ def test_scores():
                 "samples": made.over("part", [100]),
                 "terms": made.over((), 6),
                 "initial_outputs": made.over((), 3),
+                "stability": made.over((), "stable"),
                 "baseline_nmse": made.over(("part", "baseline"), [[1.0, 0.2, 0.5, np.inf]]),
                 "baseline_rmse": made.over(("part", "baseline"), [[0.5, 0.2, 0.3, np.inf]], "mm"),
             },

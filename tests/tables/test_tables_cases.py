@@ -14,6 +14,7 @@ def scores(units="V"):
             "nmse": ("part", [0.01, 0.04], one),
             "rmse": ("part", [0.2, float("inf")], {"units": units}),
             "samples": ("part", [90, 40], one),
+            "stability": ((), "slow", one),
             "terms": ((), 7, one),
             "initial_outputs": ((), 3, one),
         },
@@ -28,6 +29,7 @@ def test_an_error_is_set_beside_the_published_one():
     assert (first["terms"], first["initial outputs"]) == (7, 3)
     assert second["published rmse"] != second["published rmse"]  # not a number: none is published
     assert list(table.shown["case"]) == ["mine", "mine"]
+    assert list(table.shown["stability"]) == list(table.exact["stability"]) == ["slow", "slow"]
 
 
 def test_other_units_are_refused():

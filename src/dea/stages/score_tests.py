@@ -43,6 +43,7 @@ def score_tests(
         others.append([_scores(each, signals, start)[:2] for each in simpler.values()])
     dataset = _dataset([file.stem for file in test], rows, list(simpler), others, known.y_units)
     for name, value, label in (
+        ("stability", narx.status, "stable, slow or unstable on inputs like those of its segment"),
         ("terms", len(narx.terms), "number of terms"),
         ("initial_outputs", start, "measured outputs that a run starts from"),
     ):

@@ -204,6 +204,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "nmse": _plain("part", units="1"),
             "rmse": _plain("part"),
             "samples": _plain("part", units="1"),
+            "stability": _plain(units="1"),
             "terms": _plain(units="1"),
             "initial_outputs": _plain(units="1"),
             "baseline_nmse": _plain("part", "baseline", units="1"),

@@ -41,6 +41,7 @@ def cases(
         for part in map(str, dataset["part"].values):
             one = dataset.sel(part=part)
             best = _published(published.get(name, {}).get(part), units, f"{name}.{part}")
+            stability = {"stability": str(one["stability"].values)}
             counts = {"terms": int(one["terms"]), "initial outputs": int(one["initial_outputs"])}
             rmse = float(one["rmse"])
             values = {
@@ -50,9 +51,10 @@ def cases(
                 "rmse/published": rmse / best if best else None,
             }
             label = {"case": name, "test record": part}
-            exact.append(label | counts | values | {"units": units})
+            exact.append(label | stability | counts | values | {"units": units})
             shown.append(
                 label
+                | stability
                 | {key: str(count) for key, count in counts.items()}
                 | {key: DASH if v is None else number(v) for key, v in values.items()}
                 | {"units": units}
