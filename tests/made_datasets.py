@@ -328,6 +328,7 @@ def recovery(seed: int) -> xr.Dataset:
             **errors,
             "terms_common": over(dims, rng.integers(0, 10, shape)),
             "terms_foreign": over(dims, rng.integers(0, 4, shape)),
+            "stability": over(dims, np.full(shape, "stable")),
         },
         coords={
             "plant": [f"DEA{i}" for i in range(1, 7)],

@@ -14,7 +14,8 @@ def test_every_case_is_a_row_with_exact_and_rounded_values():
         "terms_foreign": 2.0,
     }
     scores = xr.Dataset(
-        {name: (dims, np.full((2, 2, 1), value)) for name, value in values.items()},
+        {name: (dims, np.full((2, 2, 1), value)) for name, value in values.items()}
+        | {"stability": (dims, [[["stable"], ["slow"]], [["unstable"], ["stable"]]])},
         coords={
             "plant": ["DEA1", "DEA2"],
             "excitation": ["coloured", "white"],
@@ -25,6 +26,8 @@ def test_every_case_is_a_row_with_exact_and_rounded_values():
     table = recovery(scores)
     assert table.exact["plant"].tolist() == ["DEA1", "DEA1", "DEA2", "DEA2"]
     assert table.exact["nmse"].tolist() == [1.23456e-7] * 4
+    statuses = ["stable", "slow", "unstable", "stable"]
+    assert table.exact["stability"].tolist() == table.shown["stability"].tolist() == statuses
     first = table.shown.iloc[0].to_dict()
     assert first["excitation"] == "coloured"
     assert (first["terms found"], first["foreign terms"]) == ("9 of 11", "2")

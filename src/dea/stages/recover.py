@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 from dea.stages.command import run
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+    from numpy.typing import NDArray
 
     from dea.arrays import Array
 
@@ -44,6 +46,7 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     }
     shape = (len(plants), len(excitations), len(searches))
     scores = {name: np.empty(shape) for name in _SCORES}
+    stability = np.empty(shape, dtype="<U10")
     for i, (name, plant) in enumerate(plants.items()):
         for j, excitation in enumerate(excitations):
 
@@ -66,6 +69,7 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
             test = excite("test", choice["band"])
             for k, search in enumerate(searches.values()):
                 found = select_terms(u, y, scaling=Scaling(), search=search, **candidates)
+                stability[i, j, k] = found.status
                 result = score_recovery(plant, found, test, rate, choice["band"])
                 for score, value in result.items():
                     scores[score][i, j, k] = value
@@ -76,7 +80,7 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
         "plant_terms": ("plant", [len(plant.terms) for plant in plants.values()]),
     }
     store.write(
-        _dataset(scores, coords),
+        _dataset(scores, stability, coords),
         recovery,
         title="Published models identified from their own simulated records",
         inputs={"models": models},
@@ -85,15 +89,18 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     )
 
 
-def _dataset(scores: Mapping[str, "Array"], coords: Mapping[str, Any]) -> "xr.Dataset":
-    """Return the scores by plant, excitation and search."""
+def _dataset(
+    scores: Mapping[str, "Array"], stability: "NDArray[np.str_]", coords: Mapping[str, Any]
+) -> "xr.Dataset":
+    """Return scores and stability by plant, excitation and search."""
     import xarray as xr
 
     from dea.store import variable
 
     dimensions = ("plant", "excitation", "search")
     dataset = xr.Dataset(
-        {name: variable(dimensions, values, "1", _SCORES[name]) for name, values in scores.items()},
+        {name: variable(dimensions, values, "1", _SCORES[name]) for name, values in scores.items()}
+        | {"stability": variable(dimensions, stability, "1", "stable, slow or unstable")},
         coords=coords,
     )
     for coordinate in dataset.coords:

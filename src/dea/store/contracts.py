@@ -214,6 +214,7 @@ CONTRACTS: Mapping[str, Contract] = {
     "recovery": Contract(
         required={
             **{name: _plain(*_RECOVERY, units="1") for name in _RECOVERY_SCORES},
+            "stability": _plain(*_RECOVERY, units="1"),
             "plant_terms": _plain("plant", units="1"),
         }
     ),

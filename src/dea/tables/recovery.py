@@ -25,6 +25,7 @@ def recovery(scores: xr.Dataset) -> Table:
                 own = int(case["plant_terms"])
                 found, foreign = (int(case[n].round()) for n in ("terms_common", "terms_foreign"))
                 row = {"plant": str(plant), "excitation": str(excitation), "search": str(search)}
+                row["stability"] = str(case["stability"].values)
                 values = {name: float(case[name]) for name in _ERRORS}
                 exact.append(row | values | dict(zip(counts, (found, foreign), strict=True)))
                 shown.append(
