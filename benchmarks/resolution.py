@@ -27,7 +27,7 @@ from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.excitation import design
-from dea.plant import Trial, Use, draw_trial
+from dea.plant import TRIAL_SETS, Trial, draw_trial
 from dea.resolution import Design, Forms, Limits, Options, ResolutionOutcome, ResolutionRound
 from dea.store import Record
 
@@ -133,13 +133,14 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the campaign, whose outcomes are kept one by one, and print its table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.resolution", description=__doc__)
     parser.add_argument("--count", type=positive, default=20, help="trials")
-    parser.add_argument("--set", choices=("ambiguous", "ambiguous_tuning"), default="ambiguous")
+    sets = [name for name, each in TRIAL_SETS.items() if each.ambiguous]
+    parser.add_argument("--set", choices=sets, default="ambiguous")
     parser.add_argument("--forms", nargs="+", choices=list(Forms), default=list(Forms))
     parser.add_argument("--cores", type=positive, default=1)
     add_store(parser)
     options = parser.parse_args(arguments)
     study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
-    use = Use.of_set(options.set)
+    use, ambiguous = TRIAL_SETS[options.set]
     seed = study["trials"]["seeds"][options.set]
     code = stored.commit()
     leaves = json.dumps([options.set, study], sort_keys=True)
@@ -147,7 +148,7 @@ def main(arguments: list[str] | None = None) -> None:
     known = kept(OUTCOMES, code, settings)
     rows = []
     for index in range(options.count):
-        trial = draw_trial(Path(BENCH), seed, index, use, ambiguous=True)
+        trial = draw_trial(Path(BENCH), seed, index, use, ambiguous=ambiguous)
         for forms in options.forms:
             row = known.get((trial.name, str(forms)))
             if row is None:

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from made_conditions import CONDITIONS
 
+from dea.configuration.trials import Seeds
 from dea.errors import InputError
 from dea.excitation import design
 from dea.plant.drive import Drive
-from dea.plant.hidden import EFFECTS, Use
+from dea.plant.hidden import EFFECTS, TRIAL_SETS, Use
 from dea.plant.hidden.devices import DEVICES
 from dea.plant.hidden.draw import FEWEST, MOST, _draw_noise, _sized, draw, draw_excitation
 from dea.plant.hidden.effect import Port
@@ -221,4 +222,11 @@ def test_devices_vary_by_no_more_than_the_spread_of_each_parameter():
      ("ambiguous", Use.REPORTING)],
 )  # fmt: skip
 def test_a_set_hides_forms_of_its_own_use(trials, use):
-    assert Use.of_set(trials) == use
+    assert TRIAL_SETS[trials].use == use
+
+
+def test_every_set_that_the_configuration_knows_says_what_it_hides():
+    assert set(TRIAL_SETS) == set(Seeds.model_fields)
+    assert {name for name, each in TRIAL_SETS.items() if each.ambiguous} == {
+        "ambiguous", "ambiguous_tuning",
+    }  # fmt: skip

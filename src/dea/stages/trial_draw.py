@@ -19,14 +19,13 @@ def trial_draw(settings: Mapping[str, Any], sealed: Path, commitment: Path) -> N
     import json
 
     from dea import store
-    from dea.plant import Use, draw_trial
+    from dea.plant import TRIAL_SETS, draw_trial
     from dea.stages.bench_process import plain_as_planned
 
     bench = plain_as_planned(settings["bench"])
     sealed.mkdir(parents=True)
     committed = {}
-    use = Use.of_set(settings["set"])
-    ambiguous = settings["set"].startswith("ambiguous")
+    use, ambiguous = TRIAL_SETS[settings["set"]]
     for index in range(settings["first"], settings["last"] + 1):
         trial = draw_trial(bench, settings["seed"], index, use, ambiguous=ambiguous)
         file = sealed / f"{trial.name}.json"

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from numpy.random import Generator
 
@@ -29,10 +29,20 @@ class Use(StrEnum):
     TUNING = "tuning"  # the diagnosis may be improved on it
     REPORTING = "reporting"  # the diagnosis is judged by it, and has never been tuned on it
 
-    @classmethod
-    def of_set(cls, name: str) -> Self:
-        """Return what the forms that a set of trials hides are for."""
-        return cls.TUNING if name.endswith("tuning") else cls.REPORTING
+
+class TrialSet(NamedTuple):
+    """What the forms that a set of trials hides are for, and whether rivals stay open on them."""
+
+    use: Use
+    ambiguous: bool
+
+
+TRIAL_SETS = {
+    "tuning": TrialSet(Use.TUNING, ambiguous=False),
+    "reporting": TrialSet(Use.REPORTING, ambiguous=False),
+    "ambiguous": TrialSet(Use.REPORTING, ambiguous=True),
+    "ambiguous_tuning": TrialSet(Use.TUNING, ambiguous=True),
+}
 
 
 class Conditions(NamedTuple):
