@@ -11,6 +11,8 @@ from dea import store
 from dea.errors import InputError
 from dea.gfrf import frequency_response
 from dea.narx import NarxModel, Scaling
+from dea.probing import Probing
+from dea.stages.confirm import confirm
 from dea.stages.gfrf import gfrf
 from dea.stages.track import track
 from made_datasets import record_of
@@ -116,3 +118,27 @@ def test_the_same_files_give_the_same_bytes(folder, tmp_path):
     files = {name: folder / f"{name}.nc" for name in ("record", "model")}
     track(SETTINGS, **files, track=tmp_path / "track.nc")
     assert (tmp_path / "track.nc").read_bytes() == (folder / "track.nc").read_bytes()
+
+
+def test_a_confirmation_says_whose_parameters_it_rests_on(folder, tmp_path):
+    probing = Probing(
+        times=[30.0], bias=2.4, rms=0.02, lowest=0.1, highest=4.0, band=1.0, realisations=2,
+        periods=2, settle=5.0,
+    )  # fmt: skip
+    probed = probing.place(store.read(folder / "record.nc")["voltage"].values, RATE, seed=5)
+    y = MODEL.simulate(probed.voltage)
+    y += 1e-6 * np.random.default_rng(2).standard_normal(y.size)
+    record = record_of(probed.voltage, y, RATE).assign_attrs(probing_period=10.0)
+    for name in ("probing", "realisation"):
+        values = getattr(probed, name)
+        record[name] = "time", values, {"units": "1", "long_name": name}
+    store.write(record, tmp_path / "record.nc", title="made")
+    settings = SETTINGS | {"confirmation": {"even_above": 0.9}}
+    made = [folder / f"{name}.nc" for name in ("model", "track", "gfrf")]
+    confirm(settings, tmp_path / "record.nc", *made, tmp_path / "confirmation.nc")
+    found = store.read(tmp_path / "confirmation.nc")
+    tracked = store.read(folder / "track.nc").sel(tracker="output_error")
+    assert found.attrs["tracker"] == "output_error"
+    assert found.attrs["estimator"] == str(tracked["estimator"].values)
+    assert found.attrs["model_band_withheld"] == str(tracked["withheld"].values)
+    np.testing.assert_array_equal(found["even_judged"], found["even_in_band"] >= 0.9)
