@@ -197,16 +197,3 @@ def test_what_leaves_no_sequence_is_named(change, field):
     with pytest.raises(InputError) as caught:
         design("gaussian", **STUDY | change)
     assert caught.value.field == field
-
-
-def test_a_staircase_rests_where_it_is_told_to_and_holds_the_other_levels():
-    given = {"duration": 90.0, "sampling_rate": 10.0, "low": -2.0, "high": 4.0, "seed": 1}
-    own = {"levels": 3, "hold": 10.0, "rest": 10.0, "rise": 0.0}
-    u = design("staircase", rest_at=0.0, **given, **own)
-    assert set(u.round(9)) == {0.0, -2.0, 2.0, 4.0}
-    np.testing.assert_array_equal(u[:100], 0.0)
-    np.testing.assert_array_equal(
-        design("staircase", **given, **own), design("staircase", rest_at=-2.0, **given, **own)
-    )
-    with pytest.raises(InputError, match=r"rest_at 5\.0 is not in the range"):
-        design("staircase", rest_at=5.0, **given, **own)

@@ -33,22 +33,13 @@ CLIP = 3.0  # standard deviations between the middle of the range and its ends
 
 
 class Span(NamedTuple):
-    """Length, sampling rate (Hz) and range (V) of a sequence, and its random generator.
-
-    It rests at ``low``, or at another voltage that is given.
-    """
+    """Length, sampling rate (Hz) and range (V) of a sequence, and its random generator."""
 
     rng: np.random.Generator
     samples: int
     sampling_rate: float
     low: float
     high: float
-    rest_at: float | None = None
-
-    @property
-    def rest(self) -> float:
-        """Voltage of the rests."""
-        return self.low if self.rest_at is None else self.rest_at
 
     @property
     def duration(self) -> float:
@@ -81,7 +72,7 @@ def gaussian(span: Span, *, band: float = 1.0) -> Signal:
 
 
 def bursts(span: Span, *, band: float = 1.0, active: float = 20.0, rest: float = 10.0) -> Signal:
-    """Gaussian noise in bursts of ``active`` seconds with rests between them.
+    """Gaussian noise in bursts of ``active`` seconds with rests at ``low`` between them.
 
     A Hann window of one second smooths the edges. The response in the rests shows memory.
     """
@@ -89,7 +80,7 @@ def bursts(span: Span, *, band: float = 1.0, active: float = 20.0, rest: float =
     on, off = max(span.length(active), 1), span.length(rest)
     gate = np.resize(np.repeat([1.0, 0.0], [on, off]), span.samples)
     noise = gaussian(span, band=band)
-    return span.rest + (noise - span.rest) * _smooth(gate, span.sampling_rate)
+    return span.low + (noise - span.low) * _smooth(gate, span.sampling_rate)
 
 
 def multisine(span: Span, *, band: float = 1.0, period: float = 30.0) -> Signal:
@@ -111,10 +102,10 @@ def multisine(span: Span, *, band: float = 1.0, period: float = 30.0) -> Signal:
 def staircase(
     span: Span, *, levels: int = 6, hold: float = 10.0, rest: float = 10.0, rise: float = 0.5
 ) -> Signal:
-    """Equally spaced levels in random order, each held, with a rest between them.
+    """Equally spaced levels in random order, each held, with a rest at ``low`` between them.
 
     A Hann window of ``rise`` seconds smooths the steps. Creep recovers in the rests, drift does
-    not. Every level occurs once before any occurs again; the one nearest to the rest is left out.
+    not. Every level occurs once before any occurs again.
     """
     _require(
         1 <= levels <= span.samples and levels % 1 == 0,
@@ -125,11 +116,10 @@ def staircase(
     held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
     count = -(-span.samples // (held + rested))
-    ladder = np.linspace(span.low, span.high, int(levels) + 1)
-    ladder = np.delete(ladder, np.argmin(np.abs(ladder - span.rest)))
+    ladder = np.linspace(span.low, span.high, int(levels) + 1)[1:]
     rounds = [span.rng.permutation(ladder) for _ in range(-(-count // ladder.size))]
     heights = np.concatenate(rounds)[:count]
-    pairs = np.column_stack([np.full(count, span.rest), heights]).ravel()
+    pairs = np.column_stack([np.full(count, span.low), heights]).ravel()
     steps = np.repeat(pairs, np.resize([rested, held], pairs.size))[: span.samples]
     return _smooth(steps, rise * span.sampling_rate)
 
@@ -184,7 +174,6 @@ def design(
     low: float,
     high: float,
     seed: int,
-    rest_at: float | None = None,
     **settings: Any,
 ) -> Signal:
     """Return an excitation of ``duration`` s at ``sampling_rate`` Hz between two voltages.
@@ -197,8 +186,6 @@ def design(
         Range in V; no sample lies outside.
     seed
         The same settings and seed give the same sequence.
-    rest_at
-        Voltage of the rests, which bursts and staircases have; ``low`` where none is given.
     settings
         The keyword settings of the kind's own function.
 
@@ -232,8 +219,6 @@ def design(
     for name, value in numbers.items():
         _require(_finite(value) and value >= 0.0, name, "is negative, or not a finite number")
     _require(_finite(low) and _finite(high) and low < high, "low", f"{low} is not below {high}")
-    inside = rest_at is None or (_finite(rest_at) and low <= rest_at <= high)
-    _require(inside, "rest_at", f"{rest_at} is not in the range")
     _require(duration * sampling_rate <= MOST, "duration", f"holds more than {MOST:g} samples")
     samples = round(duration * sampling_rate)
     _require(samples >= 2, "duration", "holds fewer than two samples")
@@ -242,7 +227,7 @@ def design(
         _require(band > 0.0, "band", "is not a positive number")
         half = 0.5 * sampling_rate
         _require(band < half, "band", f"{band} Hz is not below half the sampling rate")
-    span = Span(generator(seed, "signals", kind), samples, sampling_rate, low, high, rest_at)
+    span = Span(generator(seed, "signals", kind), samples, sampling_rate, low, high)
     signal = KINDS[kind](span, **settings)
     # Rounding may carry a sample beyond the end of the range.
     return np.clip(signal, low, high)

@@ -49,21 +49,6 @@ def test_fixed_forms_are_slowed_down_to_the_rate(rate):
     assert len(kinds) == 7
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "rest"), [(-2.0, 3.0, 0.0), (-3.0, -1.0, -1.0), (1.0, 3.0, 1.0)]
-)
-def test_a_device_rests_at_the_input_nearest_to_zero(low, high, rest):
-    own = Limits(low, high, 500.0, -1.0, 1.0, 50.0)
-    assert own.rest == rest
-    values = np.full(genes(), 0.5)
-    values[3::4][:4] = 0.0
-    np.testing.assert_array_equal(express(values, 8.0, own)[:200], rest)
-    forms = dict(fixed_forms(30.0, own, 3))
-    for kind in ("bursts", "staircase"):
-        level, count = np.unique(forms[kind].round(9), return_counts=True)
-        assert level[np.argmax(count)] == rest
-
-
 def test_a_segment_may_be_a_rest():
     own = Limits(1.0, 3.0, 500.0, -1.0, 1.0, 50.0)
     values = np.full(genes(), 0.5)

@@ -268,6 +268,6 @@ def fixed_forms(duration: float, limits: Limits, seed: int) -> Iterator[tuple[st
         scaled = {key: _scaled(key, value, duration, limits) for key, value in settings.items()}
         u = fixed_design(
             kind, duration=duration, sampling_rate=limits.sampling_rate,
-            low=limits.low, high=limits.high, seed=seed, rest_at=limits.rest, **scaled,
+            low=limits.low, high=limits.high, seed=seed, **scaled,
         )  # fmt: skip
         yield kind, limits.obeyed(u)

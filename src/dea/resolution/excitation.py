@@ -64,11 +64,6 @@ class Limits:
             sampling_rate,
         )  # fmt: skip
 
-    @property
-    def rest(self) -> float:
-        """Input of the range at which a device rests: zero, or the one nearest to it."""
-        return min(max(0.0, self.low), self.high)
-
     def obeyed(self, u: np.ndarray) -> np.ndarray:
         """Return the input (n,) cut to the range, and where it changes too fast, slowed down."""
         step = self.rate / self.sampling_rate
@@ -98,7 +93,7 @@ def express(values: np.ndarray, duration: float, limits: Limits) -> np.ndarray:
     """Return the input, in the range and slow enough, that the ``values`` of the genes stand for.
 
     It consists of segments: holds of a level, with a multisine of an amplitude of their own about
-    it, and rests at the input nearest to zero. The sines have frequencies and phases of their own.
+    it, and rests at the lowest input. The sines have frequencies and phases of their own.
     """
     samples = round(duration * limits.sampling_rate)
     parts = values[: len(_PER_SEGMENT) * _SEGMENTS].reshape(_SEGMENTS, len(_PER_SEGMENT)).T
@@ -108,7 +103,7 @@ def express(values: np.ndarray, duration: float, limits: Limits) -> np.ndarray:
     counts = np.diff(ends, prepend=0)
     resting = rest < _REST
     span = limits.high - limits.low
-    middle = np.repeat(np.where(resting, limits.rest, limits.low + span * level), counts)
+    middle = np.repeat(limits.low + span * np.where(resting, 0.0, level), counts)
     reach = np.repeat(0.5 * span * np.where(resting, 0.0, amplitude), counts)
     frequencies, phases = values[len(_PER_SEGMENT) * _SEGMENTS :].reshape(2, _LINES)
     lowest, highest = 1.0 / duration, _HIGHEST * limits.sampling_rate
