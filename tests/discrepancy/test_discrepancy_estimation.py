@@ -50,3 +50,10 @@ def test_the_laws_of_one_that_leaves_more_return_towards_their_priors():
     assert again.cost < cost_of(fitted.residual, fitted.coordinates, within)
     # What they give up is within the error that remains anyway.
     assert problem.seen_rmse(again.residual) < 1.1 * left
+
+
+def test_the_estimate_does_not_depend_on_the_threads():
+    problem, fitted = explained(error=0.2)
+    alone, together = (at_its_error(problem, fitted, CLEAN, workers) for workers in (1, 2))
+    assert np.array_equal(alone.coordinates, together.coordinates)
+    assert alone.cost == together.cost

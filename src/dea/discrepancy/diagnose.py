@@ -165,7 +165,7 @@ def diagnose(
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
     tell("the answer on samples not used so far")
-    decision, final, elsewhere = _certified(evidence, decided, others)
+    decision, final, elsewhere = _certified(evidence, decided, others, workers)
 
     # Describe.
     within = with_its_error(problem, final, rules.clean)
@@ -207,7 +207,7 @@ def diagnose(
 
 
 def _certified(
-    evidence: Evidence, decided: Decision, others: Mapping[str, Samples]
+    evidence: Evidence, decided: Decision, others: Mapping[str, Samples], workers: int
 ) -> tuple[Decision, Fit, dict[str, Certified]]:
     """Return the decision that samples not used so far leave, its fit, and errors elsewhere.
 
@@ -218,7 +218,7 @@ def _certified(
         elsewhere = certify_elsewhere(others, nominal, nominal)
         return confirmed(decided, evidence, nominal, {}, elsewhere), nominal, elsewhere
     dated = with_events_dated(problem, decided.answer.fit)
-    final = at_its_error(problem, dated, evidence.rules.clean)
+    final = at_its_error(problem, dated, evidence.rules.clean, workers)
     within = with_its_error(problem, final, evidence.rules.clean)
     left_out = leave_one_out(within, nominal, final) if len(problem.records) > 1 else {}
     tested = certify_elsewhere(others, nominal, final)

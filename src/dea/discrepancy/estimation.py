@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, fit
+from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.simulation import TIMING_OFFSET
 
@@ -26,11 +27,12 @@ def with_its_error(problem: Problem, fitted: Fit, clean: float) -> Problem:
     return problem.with_noise(left) if left > clean * problem.noise else problem
 
 
-def at_its_error(problem: Problem, fitted: Fit, clean: float) -> Fit:
+def at_its_error(problem: Problem, fitted: Fit, clean: float, workers: int = 1) -> Fit:
     """Return a fit estimated again on the record :func:`with_its_error`.
 
     It goes on from where it is, from the prior means of its laws, and from all of their starts;
     events keep their instants. The fit itself is returned where the noise stays as it is.
+    ``workers`` are threads, on which the result does not depend.
     """
     within = with_its_error(problem, fitted, clean)
     if within is problem:
@@ -38,19 +40,26 @@ def at_its_error(problem: Problem, fitted: Fit, clean: float) -> Fit:
     # Samples that a fit does not see may have dated an event.
     columns = Columns(held=fitted.extended.events)
 
-    def continued(start: np.ndarray, iterations: int, tolerance: float) -> Fit:
+    def stepped(start: np.ndarray, steps: int) -> Fit:
         return fit(
             within,
             fitted.extended,
             start,
-            iterations=iterations,
-            tolerance=tolerance,
+            iterations=steps,
+            tolerance=_TOLERANCE,
             columns=columns,
         )
 
-    first = [continued(start, _FIRST, _TOLERANCE) for start in _starts(fitted)]
+    first = in_parallel(
+        lambda start: stepped(start, _FIRST), list(_starts(fitted)), workers, "starts of the answer"
+    )
     first.sort(key=lambda each: each.cost)
-    ends = [continued(each.coordinates, _ITERATIONS, _TOLERANCE) for each in first[:_GO_ON]]
+    ends = in_parallel(
+        lambda each: stepped(each.coordinates, _ITERATIONS),
+        first[:_GO_ON],
+        workers,
+        "last fits of the answer",
+    )
     return min(ends, key=lambda each: each.cost)
 
 
