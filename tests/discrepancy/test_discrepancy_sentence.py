@@ -49,14 +49,22 @@ def concentrated(rms):
 
 
 def candidate(*names, at_bounds=(), fit=None):
+    fit = fit or SimpleNamespace(extended=extension(*names))
     return SimpleNamespace(names=names, effects={*names}, at_bounds=at_bounds, fit=fit)
+
+
+def attach(label):
+    """An effect as it is attached, at the input that its label names."""
+    name, _, at = label.partition("@")
+    return SimpleNamespace(effect=catalogue()[name], at=Input(at, "V") if at else None)
 
 
 def extension(*names):
     """An extended simulation with two parameters of its own, which are fitted, and effects."""
     return SimpleNamespace(
-        attached=[SimpleNamespace(effect=catalogue()[name]) for name in names],
+        attached=[attach(name) for name in names],
         label=lambda attached: attached.effect.name,
+        input_of=lambda attached: attached.at,
         simulation=SimpleNamespace(
             parameters=[Parameter(name, "1", 1.0, 0.1) for name in NAMES[:2]], accuracy=0.0
         ),
@@ -244,11 +252,11 @@ def lagging(name, time):
 
 def fitted(*names, time):
     """A candidate of which the last effect is a lag of a time."""
-    effect = catalogue()[names[-1].partition("@")[0]]
-    own = [Parameter("damping", "1", 1.0, 0.1), Parameter(effect.defining, "s", 0.1, 0.1)]
-    attached = [SimpleNamespace(effect=effect, parameters=own)] * len(names)
-    slices = [slice(1, 3)] * len(names)
-    extended = SimpleNamespace(attached=attached, effect_slices=slices)
+    extended = extension(*names)
+    *_, lag = extended.attached
+    lag.parameters = [Parameter("damping", "1", 1.0, 0.1)]
+    lag.parameters.append(Parameter(lag.effect.defining, "s", 0.1, 0.1))
+    extended.effect_slices = [slice(1, 3)] * len(names)
     fit = SimpleNamespace(extended=extended, values=np.array([9.0, 1.5, time]))
     return candidate(*names, fit=fit)
 

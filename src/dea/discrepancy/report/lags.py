@@ -1,13 +1,14 @@
 """A lag that a record shows, and does not place: what all of its explanations have in common."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from dea.simulation import Effect, Family, Port, catalogue
+from dea.simulation import Attached, ExtendedSimulation, Family, Port
 
 if TYPE_CHECKING:
-    from dea.discrepancy.report.verdict import NamedEffect
+    from dea.discrepancy.report.verdict import Estimate, NamedEffect
     from dea.discrepancy.search.candidates import Candidate
+    from dea.simulation import Parameter
 
 # The times of the laws, each of which is about the delay of a slow signal.
 _TIME = "s"
@@ -24,45 +25,46 @@ def common_lag(
     answer, in its order.
     """
     shared = set(answer.names).intersection(*(rival.names for rival in rivals))
-    lags = [_own_lag(each.names, shared) for each in (answer, *rivals)]
+    lags = [_own_lag(each, shared) for each in (answer, *rivals)]
     if not rivals or None in lags:
         return ""
     own, *others = (index for index in lags if index is not None)
     parameters = effects[own].parameters
-    defining = _effect_of(answer.names[own]).defining
-    if defining not in parameters or parameters[defining].unit != _TIME:
+    extended = answer.fit.extended
+    attached = extended.attached[own]
+    if _unit_of(attached.effect.defining, parameters) != _TIME:
         return ""
-    times = [parameters[defining].value]
-    places = [_place(answer.names[own])]
+    times = [parameters[attached.effect.defining].value]
+    places = [_place(extended, attached)]
     for rival, index in zip(rivals, others, strict=True):
         extended = rival.fit.extended
         attached, part = extended.attached[index], extended.effect_slices[index]
-        units = {each.name: each.unit for each in attached.parameters}
-        if units.get(attached.effect.defining) != _TIME:
+        law = {each.name: each for each in attached.parameters}
+        if _unit_of(attached.effect.defining, law) != _TIME:
             return ""
-        times.append(float(rival.fit.values[part][list(units).index(attached.effect.defining)]))
-        places.append(_place(rival.names[index]))
+        times.append(float(rival.fit.values[part][list(law).index(attached.effect.defining)]))
+        places.append(_place(extended, attached))
     return f"a lag of {_told(times)}, of {' or of '.join(dict.fromkeys(places))}"
 
 
-def _own_lag(names: Sequence[str], shared: set[str]) -> int | None:
+def _own_lag(candidate: "Candidate", shared: set[str]) -> int | None:
     """Return which of the effects is the only one that is not shared, if that is a lag."""
-    own = [index for index, name in enumerate(names) if name not in shared]
-    if len(own) != 1 or _effect_of(names[own[0]]).family is not Family.LAG:
+    own = [index for index, name in enumerate(candidate.names) if name not in shared]
+    if len(own) != 1 or candidate.fit.extended.attached[own[0]].effect.family is not Family.LAG:
         return None
     return own[0]
 
 
-def _effect_of(name: str) -> Effect:
-    return catalogue()[name.partition("@")[0]]
+def _unit_of(name: str, parameters: Mapping[str, "Estimate | Parameter"]) -> str | None:
+    return parameters[name].unit if name in parameters else None
 
 
-def _place(name: str) -> str:
+def _place(extended: ExtendedSimulation, attached: Attached) -> str:
     """Return where an effect acts, in words; of several inputs at which one."""
-    if _effect_of(name).port is Port.OUTPUT:
+    if attached.effect.port is Port.OUTPUT:
         return "the sensor"
-    at = name.partition("@")[2]
-    return f"the input {at.replace('_', ' ')}" if at else "the input"
+    at = extended.input_of(attached)
+    return f"the input {at.name.replace('_', ' ')}" if at else "the input"
 
 
 def _told(times: Sequence[float]) -> str:
