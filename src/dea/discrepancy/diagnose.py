@@ -168,7 +168,6 @@ def diagnose(
     decision, final, elsewhere = _certified(evidence, decided, others, workers)
 
     # Describe.
-    within = with_its_error(problem, final, rules.clean)
     where = Where(
         *(
             localise(problem, each.residual, own.inputs, own.output_unit, problem.seen, rng)
@@ -183,7 +182,7 @@ def diagnose(
         split=parts,
         nominal=nominal,
         extended=final,
-        final=on_whole_record(within, final) if decision.answer else final,
+        final=on_whole_record(problem, final, rules.clean) if decision.answer else final,
         spread=evidence.held_out.spread(final),
         singles=Singles(singles, gained, tuple(visible)),
         pool=tuple(pool),
@@ -213,14 +212,15 @@ def _certified(
 
     Where they contradict it, that is the fit of the simulation alone.
     """
-    problem, nominal = evidence.problem, evidence.nominal
+    problem, nominal, clean = evidence.problem, evidence.nominal, evidence.rules.clean
     if decided.answer is None:
         elsewhere = certify_elsewhere(others, nominal, nominal)
         return confirmed(decided, evidence, nominal, {}, elsewhere), nominal, elsewhere
     dated = with_events_dated(problem, decided.answer.fit)
-    final = at_its_error(problem, dated, evidence.rules.clean, workers)
-    within = with_its_error(problem, final, evidence.rules.clean)
-    left_out = leave_one_out(within, nominal, final) if len(problem.records) > 1 else {}
+    final = at_its_error(problem, dated, clean, workers)
+    left_out = {}
+    if len(problem.records) > 1:
+        left_out = leave_one_out(with_its_error(problem, final, clean), nominal, final)
     tested = certify_elsewhere(others, nominal, final)
     decision = confirmed(decided, evidence, final, left_out, tested)
     if decision.answer is decided.answer:

@@ -80,13 +80,13 @@ def _starts(fitted: Fit) -> Iterator[np.ndarray]:
                 yield np.where(extended.events, own, extended.coordinates(values))
 
 
-def on_whole_record(problem: Problem, fitted: Fit) -> Fit:
-    """Return a fit estimated again on all samples, the certified ones too.
+def on_whole_record(problem: Problem, fitted: Fit, clean: float) -> Fit:
+    """Return a fit estimated again on all samples of the record :func:`with_its_error`.
 
-    Where an effect explains the record as well without a timing offset, there is none: a delay or
-    a lag then counts in full.
+    The certified ones are among them. Where an effect explains the record as well without a timing
+    offset, there is none: a delay or a lag then counts in full.
     """
-    whole = problem.whole()
+    whole = with_its_error(problem, fitted, clean).whole()
     free = fit(whole, fitted.extended, fitted.coordinates)
     names = [fitted.extended.names[i] for i in fitted.extended.free]
     if TIMING_OFFSET not in names:
