@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from small_search import SEARCH
 
+from dea.discrepancy import Settings, diagnose
 from dea.discrepancy.estimation import at_its_error, with_its_error
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import cost_of, fit
 from dea.discrepancy.problem import Problem
 from dea.simulation import catalogue, measured_scales, prepared
+from dea.store import Record
 from made_carriage import CARRIAGE
 
 INTERVAL, NOISE, CLEAN = 0.02, 0.003, 1.15
@@ -57,3 +60,14 @@ def test_the_estimate_does_not_depend_on_the_threads():
     alone, together = (at_its_error(problem, fitted, CLEAN, workers) for workers in (1, 2))
     assert np.array_equal(alone.coordinates, together.coordinates)
     assert alone.cost == together.cost
+
+
+def test_an_answer_that_is_estimated_again_has_no_event_that_it_could_date():
+    problem, _ = explained(error=0.04)
+    record = Record.of(problem.u, problem.y, 1.0 / INTERVAL, units=("V", "V"))
+    settings = Settings(effects=("sensor_nonlinearity",), budget=SEARCH)
+    found = diagnose(record, CARRIAGE, settings=settings)
+    assert found.decision.answer is not None
+    assert found.extended is not found.decision.answer.fit
+    assert "When it happened" not in found.verdict.sentence
+    assert not found.certificate.dated

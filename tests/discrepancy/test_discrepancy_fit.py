@@ -513,7 +513,7 @@ def test_samples_that_dated_an_event_must_leave_as_little_as_those_seen(after, s
     nominal = replace(fitted, residual=np.where(problem.certify, 9.0, 0.0))
     evidence = replace(evidence, nominal=nominal)
     named = Decision(Status.NAMED, Candidate(fitted, 1.0, 1.0, 0.0))
-    found = confirmed(named, evidence, dated, {}, {})
+    found = confirmed(named, evidence, dated, {}, {}, dated=True)
     assert found.status == status
     assert bool(found.contradicted) is (status == "unknown")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dea.discrepancy.decision import Decision, Reason, Status
-from dea.discrepancy.evidence.certificate import Certified
+from dea.discrepancy.evidence.certificate import Certificate, Certified
 from dea.discrepancy.evidence.localisation import Band, Concentration, Localisation
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.presence import Share
@@ -98,7 +98,7 @@ def found(
     rivals = tuple(candidate(*each) for each in rivals)
     return SimpleNamespace(
         decision=Decision(status, chosen, rivals, reason, whole),
-        certificate=SimpleNamespace(block=Certified(*block, 100)),
+        certificate=Certificate(Certified(*block, 100), {}),
         unexplained=equation,
         force=force,
         pool=pool,
@@ -724,7 +724,7 @@ def test_what_explains_little_is_neither_spoken_of_nor_an_error_to_live_with():
 def test_it_is_told_that_certified_samples_dated_an_event():
     diagnosis = found(Status.NAMED, "step_fault")
     assert "certified samples, which" not in " ".join(remarks(diagnosis))
-    diagnosis.extended = SimpleNamespace(**vars(diagnosis.extended))
+    diagnosis.certificate = replace(diagnosis.certificate, dated=True)
     assert (
         "When it happened was found on the certified samples, which do not certify that."
         in remarks(diagnosis)

@@ -23,7 +23,6 @@ from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.certificate import (
     Certificate,
-    Certified,
     certify,
     certify_elsewhere,
 )
@@ -165,7 +164,7 @@ def diagnose(
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
     tell("the answer on samples not used so far")
-    decision, final, elsewhere = _certified(evidence, decided, others, workers)
+    decision, final, certificate = _certified(evidence, decided, others, workers)
 
     # Describe.
     where = Where(
@@ -192,7 +191,7 @@ def diagnose(
         unexplained=residual_model(problem, final.residual),
         force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
-        certificate=Certificate(certify(problem, nominal, final), elsewhere),
+        certificate=certificate,
         noise_floor=white,
         coloured_level=evidence.coloured_level,
         floor=evidence.floor,
@@ -207,25 +206,32 @@ def diagnose(
 
 def _certified(
     evidence: Evidence, decided: Decision, others: Mapping[str, Samples], workers: int
-) -> tuple[Decision, Fit, dict[str, Certified]]:
-    """Return the decision that samples not used so far leave, its fit, and errors elsewhere.
+) -> tuple[Decision, Fit, Certificate]:
+    """Return the decision that samples not used so far leave, its fit, and the errors on them.
 
     Where they contradict it, that is the fit of the simulation alone.
     """
     problem, nominal, clean = evidence.problem, evidence.nominal, evidence.rules.clean
-    if decided.answer is None:
+
+    def alone() -> Certificate:
         elsewhere = certify_elsewhere(others, nominal, nominal)
-        return confirmed(decided, evidence, nominal, {}, elsewhere), nominal, elsewhere
+        return Certificate(certify(problem, nominal, nominal), elsewhere)
+
+    if decided.answer is None:
+        certificate = alone()
+        return confirmed(decided, evidence, nominal, {}, certificate.records), nominal, certificate
     dated = with_events_dated(problem, decided.answer.fit)
+    by_date = dated is not decided.answer.fit
     final = at_its_error(problem, dated, clean, workers)
     left_out = {}
     if len(problem.records) > 1:
         left_out = leave_one_out(with_its_error(problem, final, clean), nominal, final)
     tested = certify_elsewhere(others, nominal, final)
-    decision = confirmed(decided, evidence, final, left_out, tested)
-    if decision.answer is decided.answer:
-        return decision, final, left_out | tested
-    return decision, nominal, certify_elsewhere(others, nominal, nominal)
+    decision = confirmed(decided, evidence, final, left_out, tested, by_date)
+    if decision.answer is not decided.answer:
+        return decision, nominal, alone()
+    block = certify(problem, nominal, final)
+    return decision, final, Certificate(block, left_out | tested, by_date)
 
 
 def _tested_all(

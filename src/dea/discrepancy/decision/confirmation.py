@@ -20,15 +20,16 @@ def confirmed(
     final: Fit,
     left_out: Mapping[str, Certified],
     tested: Mapping[str, Certified],
+    dated: bool = False,
 ) -> Decision:
     """Withdraw what the certified samples contradict, or other records of the device.
 
-    They choose nothing. ``final`` is the fit of the answer, with its events dated, or of the
-    simulation alone; certified samples that dated an event must leave about as little as the seen
-    ones. ``left_out`` are the errors on the records of a joint diagnosis, each left out in turn;
-    ``tested`` are those on test records. Neither contradicts ``none``, which says what the
-    diagnosed records could show. The certified samples contradict ``none`` only if they leave much
-    more than the others, since the level of coloured noise varies along a record.
+    They choose nothing. ``final`` is the last fit of the answer, or the simulation alone; certified
+    samples that ``dated`` an event must leave about as little as the seen ones. ``left_out`` are
+    the errors on the records of a joint diagnosis, each left out in turn; ``tested`` are those on
+    test records. Neither contradicts ``none``, which says what the diagnosed records could show.
+    The certified samples contradict ``none`` only if they leave much more than the others, since
+    the level of coloured noise varies along a record.
     """
     problem, nominal, rules = evidence.problem, evidence.nominal, evidence.rules
     answer = decision.answer
@@ -40,7 +41,7 @@ def confirmed(
         return decision
     noise = decision.noise(rules, evidence.floor)
     block = certify(problem, nominal, final)
-    most = max(noise, rules.near * answer.rmse) if final is not answer.fit else np.inf
+    most = max(noise, rules.near * answer.rmse) if dated else np.inf
     if block.after > most or _unimproved(evidence, block):
         contradicted = {_CERTIFIED: block}
         return Decision(

@@ -38,10 +38,14 @@ class Certified:
 
 @dataclass(frozen=True)
 class Certificate:
-    """The errors on the certified block, and on each other record by name."""
+    """The errors on the certified block, and on each other record by name.
+
+    ``dated`` says whether the certified samples dated an event, which they then do not certify.
+    """
 
     block: Certified
     records: Mapping[str, Certified]
+    dated: bool = False
 
 
 def certify(problem: Problem, nominal: Fit, extended: Fit) -> Certified:

@@ -99,8 +99,7 @@ def _inexact(found: "Diagnosis") -> bool:
 
 def _dated(found: "Diagnosis") -> str:
     """Say that the certified samples told when an event happened."""
-    answer = found.decision.answer
-    if answer is None or found.extended is answer.fit:
+    if not found.certificate.dated:
         return ""
     return "When it happened was found on the certified samples, which do not certify that."
 
