@@ -26,6 +26,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
+from dea.effect_label import joined
 from dea.excitation import design
 from dea.plant import TRIAL_SETS, Trial, draw_trial
 from dea.resolution import Design, Forms, Limits, Options, ResolutionOutcome, ResolutionRound
@@ -91,9 +92,9 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
     return {
         "trial": trial.name,
         "forms": str(forms),
-        "hidden": "+".join(sorted(hidden)),
-        "at first": f"{before.status}: {'+'.join(before.names)}",
-        "said": f"{verdict.status}: {'+'.join(verdict.names)}",
+        "hidden": joined(sorted(hidden)),
+        "at first": f"{before.status}: {joined(before.names)}",
+        "said": f"{verdict.status}: {joined(verdict.names)}",
         "outcome": str(found.outcome),
         "right": names == hidden,
         "wrong": bool(names - hidden),

@@ -56,6 +56,7 @@ def test_figures_and_tables_may_import_no_room_that_their_contract_does_not_name
     allowed = {
         "arrays",
         "configuration",
+        "effect_label",
         "errors",
         "number_format",
         "provenance",

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from dea.effect_label import labelled, name_and_place
 from dea.figures import style
 from dea.figures.laws import leave_out, parameters, shape, tell, text_height
 from dea.figures.lettering import in_words
@@ -263,7 +264,7 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
     """
     named: dict[str, float | None] = {}
     for effect in verdict["effects"]:
-        for name in (effect["name"], f"{effect['name']}@{effect['place']}"):
+        for name in {effect["name"], labelled(effect["name"], effect["place"])}:
             before, own = named.get(name), effect["share"]
             # An effect may act at two places.
             named[name] = own if before is None else before + (own or 0.0)
@@ -293,7 +294,7 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
 def _share_alone(candidates: xr.Dataset, name: str) -> float:
     """Return the part of the gap that an effect removes alone, at its best force port."""
     labels = candidates["candidate"].values
-    own = [label == name or str(label).startswith(f"{name}@") for label in labels]
+    own = [name in (label, name_and_place(str(label))[0]) for label in labels]
     shares = candidates["share"].values[own]
     return float(np.nanmax(shares)) if np.isfinite(shares).any() else np.nan
 

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import Formatter
 from numpy.typing import NDArray
 
+from dea.effect_label import labelled
 from dea.figures import style
 from dea.figures.lettering import in_words
 from dea.number_format import estimate, written_out
@@ -135,8 +136,7 @@ def parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
     labels: list[str] = []
     for effect in effects:
         if len(effects) > 1:
-            place = f"@{effect['place']}" if effect["place"] else ""
-            header = in_words(f"{effect['name']}{place}").replace("\n", " ")
+            header = in_words(labelled(effect["name"], effect["place"])).replace("\n", " ")
             ax.text(-100, len(labels), header, va="center", fontsize=6)
             labels.append("")
         for name, found in effect["parameters"].items():

@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from dea.effect_label import parted
 from dea.figures import style
 from dea.figures.lettering import in_lines
 
@@ -54,5 +55,5 @@ def resolution(found: xr.Dataset, name: str) -> Figure:
 
 def _in_words(hypothesis: str) -> str:
     """Return the effects of a hypothesis in lines that are broken between them."""
-    whole = hypothesis.replace("_", "\N{NO-BREAK SPACE}").replace("+", " + ")
+    whole = " + ".join(parted(hypothesis.replace("_", "\N{NO-BREAK SPACE}")))
     return "\n".join(wrap(whole, _LETTERS)).replace("\N{NO-BREAK SPACE}", " ")

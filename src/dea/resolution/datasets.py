@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dea.effect_label import joined
 from dea.resolution.knowledge import Knowledge
 from dea.resolution.rounds import Resolution
 from dea.store import Described, variable
@@ -99,7 +100,7 @@ def _status(known: Knowledge) -> str:
 
 def _names(known: Knowledge) -> str:
     verdict = known.verdict
-    return " or ".join("+".join(each) for each in (verdict.names, *verdict.rivals) if each)
+    return " or ".join(joined(each) for each in (verdict.names, *verdict.rivals) if each)
 
 
 def _error(known: Knowledge, named: bool) -> float:

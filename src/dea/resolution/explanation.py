@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from dea.discrepancy import Fit, Problem, Samples, sensitivities
+from dea.effect_label import joined
 from dea.missing import filled
 from dea.resolution.error import Error
 from dea.simulation import ExtendedSimulation
@@ -41,7 +42,7 @@ class Explanation:
     @cached_property
     def name(self) -> str:
         """Its effects in one word; ``none`` for the simulation alone."""
-        return "+".join(self.labels) or NONE
+        return joined(self.labels) or NONE
 
     @cached_property
     def effects(self) -> Counter[str]:

@@ -17,6 +17,7 @@ from dea.discrepancy import (
     misfit,
     signals_of,
 )
+from dea.effect_label import joined
 from dea.errors import InputError
 from dea.resolution.error import Error
 from dea.resolution.explanation import NONE, Explanation, explanation_of
@@ -171,7 +172,7 @@ def _explanations(found: Diagnosis) -> dict[str, Explanation]:
 
 
 def _name(candidate: Candidate) -> str:
-    return "+".join(sorted(candidate.labels))
+    return joined(sorted(candidate.labels))
 
 
 def _shares(found: Diagnosis) -> dict[str, float]:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dea.effect_label import labelled
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.simulation.arguments import Values, Workspace
@@ -248,12 +249,12 @@ class ExtendedSimulation:
     def label(self, attached: Attached) -> str:
         """Return an effect's name, with its force port or input where there are several."""
         port = self.force_port_of(attached)
-        return f"{attached.effect.name}@{port.name}" if port else self.name_of(attached)
+        return labelled(attached.effect.name, port.name) if port else self.name_of(attached)
 
     def name_of(self, attached: Attached) -> str:
         """Return an effect's name, with the input it acts on where the simulation has several."""
         at = self.input_of(attached)
-        return f"{attached.effect.name}@{at.name}" if at else attached.effect.name
+        return labelled(attached.effect.name, at.name if at else None)
 
     def input_of(self, attached: Attached) -> Input | None:
         """Return the input that an effect acts on, if the simulation has several."""

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from dea.effect_label import between
+
 
 @dataclass(frozen=True)
 class ForcePort:
@@ -35,4 +37,4 @@ class ForcePort:
     @property
     def name(self) -> str:
         """Name of the port, unique within its simulation."""
-        return f"{self.equation}>{self.reaction}" if self.reaction else self.equation
+        return between(self.equation, self.reaction)

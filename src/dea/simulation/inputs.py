@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-# What separates the name of an effect from its place, and effects from each other.
-RESERVED = "@+>"
-
 
 @dataclass(frozen=True)
 class Input:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dea.effect_label import RESERVED
 from dea.simulation.equations import beyond, raising, returning
 from dea.simulation.force_port import ForcePort
-from dea.simulation.inputs import RESERVED, each_of
+from dea.simulation.inputs import each_of
 from dea.simulation.interpolation import INTERPOLATIONS
 from dea.simulation.parameter import GIVEN
 

@@ -10,6 +10,7 @@ from dea.discrepancy.report.law_bands import banded_laws, in_force_unit
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
+from dea.effect_label import joined
 from dea.store import Described, Role, variable
 
 _FINISHED = "whether it may be named: fitted to the end, and worse without its essential parameter"
@@ -185,4 +186,4 @@ def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
 
 def _written(candidates: Iterable[Candidate]) -> np.ndarray:
     """Return the labels of each candidate's effects, joined."""
-    return np.array(["+".join(c.labels) for c in candidates], dtype=object)
+    return np.array([joined(c.labels) for c in candidates], dtype=object)

@@ -7,6 +7,7 @@ from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.rules import misfit
+from dea.effect_label import ends, joined, name_and_place
 from dea.number_format import estimate, share, written_out
 
 if TYPE_CHECKING:
@@ -232,8 +233,8 @@ def _form(found: "Diagnosis") -> str:
 
 def label_in_words(label: str) -> str:
     """Return the name of an effect as code, with the input or force port of its label."""
-    name, _, place = label.partition("@")
-    equation, _, reaction = place.replace("_", " ").partition(">")
+    name, place = name_and_place(label)
+    equation, reaction = ends(place.replace("_", " "))
     if reaction:
         return f"`{name}` from {equation} to {reaction}"
     return f"`{name}` at {equation}" if equation else f"`{name}`"
@@ -258,7 +259,11 @@ def rivals_told(found: "Diagnosis") -> list["Candidate"]:
 
 def rivals_in_words(found: "Diagnosis") -> list[str]:
     """Return each rival's effects, joined."""
-    return ["+".join(rival.names).replace("@", " at ") for rival in rivals_told(found)]
+    return [joined(map(_at_its_input, rival.names)) for rival in rivals_told(found)]
+
+
+def _at_its_input(label: str) -> str:
+    return " at ".join(part for part in name_and_place(label) if part)
 
 
 def _main(effect: "NamedEffect") -> str:

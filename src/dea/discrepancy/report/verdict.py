@@ -6,11 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from dea.discrepancy.search.not_offered import NotOffered, Obstacle
+from dea.effect_label import joined, parted
 from dea.errors import InputError
 from dea.strict_json import as_json, from_json
-
-# Joins the names of an effect set in ``verdict.json``.
-_JOINED = "+"
 
 
 @dataclass(frozen=True)
@@ -185,7 +183,7 @@ class Verdict:
 
         content = asdict(self)
         for effect in content["effects"]:
-            effect["rivals"] = [_JOINED.join(rival) for rival in effect["rivals"]]
+            effect["rivals"] = [joined(rival) for rival in effect["rivals"]]
         with atomic(path) as partial:
             partial.write_text(as_json(content, 2) + "\n")
 
@@ -214,7 +212,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     "change": Change(**effect["change"]) if effect.get("change") else None,
                     "bend": Bend(**effect["bend"]) if effect.get("bend") else None,
                     "quoted": tuple(effect.get("quoted", ())),
-                    "rivals": tuple(tuple(rival.split(_JOINED)) for rival in effect["rivals"]),
+                    "rivals": tuple(map(parted, effect["rivals"])),
                 }
             )
             for effect in content["effects"]

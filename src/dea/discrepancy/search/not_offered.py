@@ -8,6 +8,7 @@ import numpy as np
 
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.candidates import Candidate
+from dea.effect_label import labelled
 from dea.inputs import by_input
 from dea.simulation import Effect, ExtendedSimulation
 
@@ -35,7 +36,7 @@ class NotOffered:
     @property
     def label(self) -> str:
         """The effect's name, with its force port or input where there are several."""
-        return f"{self.name}@{self.place}" if self.place else self.name
+        return labelled(self.name, self.place)
 
     @classmethod
     def at(
