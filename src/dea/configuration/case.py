@@ -21,7 +21,8 @@ from dea.units import plain_units
 
 # What names of designed records begin with: resolve_1, resolve_2 and so on, and resolve_fresh. They
 # are keys of `records`, and of hardware names of excitations.
-DESIGNED = "resolve_"
+_DESIGNED = "resolve_"
+FRESH = "fresh"
 SECTIONS = ("identification", "orders", "validation", "tracking", "gfrf")
 
 
@@ -81,10 +82,10 @@ class Case(Section):
     def _designed_records_are_meant(self) -> Self:
         """Refuse a record whose key `make resolve` would take for that of a designed one."""
         for name in self.records:
-            if name.startswith(DESIGNED) and not re.fullmatch(rf"{DESIGNED}([1-9]\d*|fresh)", name):
+            if is_designed(name) and not re.fullmatch(designed(rf"([1-9]\d*|{FRESH})"), name):
                 raise refuse(
                     f"records.{name}",
-                    f"names that begin with {DESIGNED} are those of designed records",
+                    f"names that begin with {_DESIGNED} are those of designed records",
                     "Give it another name; for a designed one see next_experiment.md.",
                 )
         return self
@@ -118,6 +119,16 @@ _FILE: dict[str, Any] = {
 }
 # A case as its file may hold it: any keys of the sections that config/config.yaml has too.
 CaseFile = create_model("CaseFile", __base__=Section, __doc__=Case.__doc__, **_FILE)
+
+
+def designed(which: int | str) -> str:
+    """Return the name of a designed record, by its number or as ``FRESH``."""
+    return f"{_DESIGNED}{which}"
+
+
+def is_designed(name: str) -> bool:
+    """Return whether a record's name is that of a designed one."""
+    return name.startswith(_DESIGNED)
 
 
 def check_case(content: Any, study: Study, file: str | Path | None = None) -> Case:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea import store
-from dea.configuration.case import DESIGNED, Case
+from dea.configuration.case import FRESH, Case, designed, is_designed
 from dea.configuration.record import RecordFile
 from dea.discrepancy import SAME_INTERVAL
 from dea.errors import InputError
@@ -44,7 +44,7 @@ class ByHand(Kept):
         InputError
             For one that no round has asked for, since the rounds before it are missing.
         """
-        given = {key for key in self.case.records if key.startswith(DESIGNED)}
+        given = set(filter(is_designed, self.case.records))
         number = 1
         while record_key(number) in given:
             given.remove(record_key(number))
@@ -249,4 +249,4 @@ def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
 
 def record_key(number: int) -> str:
     """Return the key of a designed record in a case."""
-    return f"{DESIGNED}{'fresh' if number == CERTIFICATE else number}"
+    return designed(FRESH if number == CERTIFICATE else number)

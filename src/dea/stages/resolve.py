@@ -14,7 +14,7 @@ from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, VirtualBench, read_bench, served_settings
-from dea.configuration.case import DESIGNED, read_cases, simulation_of
+from dea.configuration.case import designed, is_designed, read_cases, simulation_of
 from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
@@ -71,7 +71,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         case = cases[name]
         named = simulation_of(case, CASES / f"{name}.yaml")
         leaves["split"] = written(case.split) if case.split else {}
-        given = [key for key in case.records if not key.startswith(DESIGNED)]
+        given = [key for key in case.records if not is_designed(key)]
         records += [store.read_record(further / f"{key}.nc") for key in given]
     simulation, files = _simulation(named)
     settings = Settings.of(leaves)
@@ -227,7 +227,7 @@ class Driven(Kept):
         return {
             "seed": self.study.seed,
             "system": self.actuator.name,
-            "excitation_name": f"{DESIGNED}{number}",
+            "excitation_name": designed(number),
             "excitation_sha256": store.sha256(self.folder_of(number) / "excitation.csv"),
             "first_record": self.first_digest(),
             "acquisition": written(self.study.acquisition),
