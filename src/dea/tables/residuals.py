@@ -33,7 +33,7 @@ def residuals(validations: Mapping[str, xr.Dataset]) -> Table:
             rows.append(
                 {"actuator": name, "model": str(model)}
                 | {
-                    f"p of {test}": float(np.minimum(tested.size * p.min(), 1.0))
+                    _column(test): float(np.minimum(tested.size * p.min(), 1.0))
                     if p.size
                     else np.nan
                     for test, p in ((test, tested.sel(test=test)) for test in tested["test"].values)
@@ -41,9 +41,14 @@ def residuals(validations: Mapping[str, xr.Dataset]) -> Table:
                 | {"verdict": _verdict(forecasts, ran)}
             )
     exact, shown = rounded(pd.DataFrame(rows))
-    for column in shown.columns[shown.columns.str.startswith("p of ")]:
+    tests = {test for dataset in validations.values() for test in dataset["test"].values}
+    for column in map(_column, tests):
         shown[column] = shown[column].where(~(exact[column] < _LEAST), _BELOW)
     return Table(exact, shown)
+
+
+def _column(test: str) -> str:
+    return f"p of {test}"
 
 
 def _verdict(forecasts: xr.Dataset, ran: NDArray[np.bool_]) -> str:
