@@ -15,13 +15,12 @@ from benchmarks.stored import store as keep
 from dea import store
 from dea.errors import InputError
 from dea.tables.trials import rates
-from dea.trials import wilson
+from dea.trials import BOTH, ON_FOREIGN, ON_NOTHING, wilson
 
 TRIALS = Path("results/trials")
 # The first trial of forms that no diagnosis had been tuned on when it was judged.
 FORMS_SINCE = 1472
-NOTHING = "name given on nothing"
-COUNTED = ("right name", "wrong name", "both of two", NOTHING, "name given on a foreign effect")
+COUNTED = ("right name", "wrong name", BOTH, ON_NOTHING, ON_FOREIGN)
 
 
 def measured(folder: Path) -> dict[str, Any]:
@@ -75,7 +74,7 @@ def counts(scores: xr.Dataset) -> dict[str, list[int]]:
         scores["measure"].values, scores["rate"].values, scores["rate_trials"].values, strict=True
     ):
         # What hides nothing has a rate for each kind of noise.
-        name = str(measure).partition(",")[0] if str(measure).startswith(NOTHING) else str(measure)
+        name = ON_NOTHING if str(measure).startswith(ON_NOTHING) else str(measure)
         if name in found and trials:
             found[name] += (rate * trials, trials)
     return {name: [round(number) for number in both] for name, both in found.items()}

@@ -80,10 +80,10 @@ def rates(found: Sequence[Scored]) -> dict[str, Proportion]:
         "wrong name": share("single", "wrong name"),
         "no name (`ambiguous`, `unknown`)": share("single", "abstained"),
         "nothing missing, it says": share("single", "missed"),
-        "both of two": share("pair", "right name"),
+        trials.BOTH: share("pair", "right name"),
         "one or both of two, nothing wrong": share("pair", "right name", "one of two"),
-        "name given on nothing": names("null"),
-        "name given on a foreign effect": names("outside"),
+        trials.ON_NOTHING: names("null"),
+        trials.ON_FOREIGN: names("outside"),
         "names given that are right": wilson(sum(each.acceptable for each in given), len(given)),
     }
 

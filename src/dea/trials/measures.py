@@ -9,6 +9,10 @@ from dea.trials.confidence import acceptable
 from dea.trials.opened import Opened
 from dea.trials.proportion import Proportion, wilson
 
+# Names of rates that campaigns count as well; of nothing there is one for each kind of noise.
+BOTH = "both of two"
+ON_NOTHING = "name given on nothing"
+ON_FOREIGN = "name given on a foreign effect"
 CLOSE = 0.4  # noise RMS; the largest error to the noise-free truth after a right name
 # Kinds of noise that are counted together, also where no trial has them; others by themselves.
 _NOISE = {
@@ -42,17 +46,17 @@ def measures(trials: Sequence[Opened]) -> dict[str, Measure]:
         ),
         "right class": Measure(_share(single, {"right name", "right class"}), 0.95),
         "wrong name": Measure(_share(single, {"wrong name"}), 0.02, at_most=True),
-        "both of two": Measure(_share(pair, {"right name"}), 0.75),
+        BOTH: Measure(_share(pair, {"right name"}), 0.75),
         "one or both of two, nothing wrong": Measure(
             _share(pair, {"right name", "one of two"}), 0.9
         ),
         **{
-            f"name given on nothing, {noise}": Measure(
+            f"{ON_NOTHING}, {noise}": Measure(
                 _named(drawn), 0.02 if noise == "white noise" else 0.05, at_most=True
             )
             for noise, drawn in _by_noise(null).items()
         },
-        "name given on a foreign effect": Measure(_named(outside), 0.03, at_most=True),
+        ON_FOREIGN: Measure(_named(outside), 0.03, at_most=True),
         "names given that are right": Measure(
             wilson(sum(acceptable(t.label, t.said.effects) for t in named), len(named)), np.nan
         ),
