@@ -5,7 +5,6 @@ takes its name when it is whole; one that an acquisition has left unfinished kee
 ``.partial``.
 """
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from dea.atomic_file import atomic, sync, sync_folder
+from dea.checksum import sha256
 from dea.errors import InputError
 
 ROOT = Path("records")
@@ -103,7 +103,7 @@ def check(folder: Path) -> dict[str, Any]:
         file = folder / name
         if not file.is_file():
             raise InputError("is missing", file=file, remedy="Bring it back from a backup")
-        if _sha256(file) != expected:
+        if sha256(file) != expected:
             raise InputError(
                 f"is not what was recorded (SHA-256 {expected[:12]}…)",
                 file=file,
@@ -173,7 +173,7 @@ def seal(folder: Path, content: Mapping[str, Any]) -> Path:
     files = sorted(path for path in folder.iterdir() if path.is_file() and path.name != SAMPLES)
     for path in files:
         sync(path)
-    digests = {path.name: _sha256(path) for path in files}
+    digests = {path.name: sha256(path) for path in files}
     text = json.dumps({**content, "files": digests}, indent=1, sort_keys=True)
     with atomic(folder / MANIFEST) as partial:
         partial.write_text(f"{text}\n")
@@ -208,8 +208,3 @@ def finish(folder: Path) -> dict[str, Any]:
 
 def _folders(of_actuator: Path) -> list[Path]:
     return sorted(path for path in of_actuator.glob("*Z") if path.is_dir())
-
-
-def _sha256(file: Path) -> str:
-    with file.open("rb") as opened:
-        return hashlib.file_digest(opened, "sha256").hexdigest()

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
 from dea.atomic_file import atomic
+from dea.checksum import sha256
 from dea.errors import InputError
 
 RESULTS = Path("results")
@@ -275,8 +276,7 @@ def digest(path: Path) -> str:
     if path.is_dir():
         parts = {str(file.relative_to(path)): digest(file) for file in contents(path)}
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return sha256(path)
 
 
 def contents(folder: Path) -> list[Path]:

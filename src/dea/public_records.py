@@ -8,6 +8,7 @@ from http.client import HTTPException
 from pathlib import Path
 from urllib.request import urlopen
 
+from dea.checksum import sha256
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import validated
 from dea.configuration.public_records import PublicRecord, PublicRecords, UntimedTable
@@ -59,7 +60,7 @@ def _fetch_one(
     name: str, entry: PublicRecord, catalogue: Path, destination: Path, folder: Path | None
 ) -> Path:
     target = destination / name
-    if target.exists() and _sha256(target.read_bytes()) == entry.sha256:
+    if target.exists() and sha256(target) == entry.sha256:
         return target
     address = (folder / name).resolve().as_uri() if folder else entry.url
     try:
@@ -82,7 +83,7 @@ def _fetch_one(
                 field=name,
                 remedy="Check url and sampled.columns, or give a folder with --from",
             ) from None
-    found = _sha256(content)
+    found = hashlib.sha256(content).hexdigest()
     if found != entry.sha256:
         raise InputError(
             f"{address} holds something else (SHA-256 {found[:12]}…)",
@@ -106,10 +107,6 @@ def _with_times(content: bytes, table: UntimedTable) -> bytes:
             ",".join([f"{index * table.interval:.3f}", *(f"{number:.6f}" for number in numbers)])
         )
     return "\n".join([*lines, ""]).encode()
-
-
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
 
 
 def main() -> None:

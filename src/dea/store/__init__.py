@@ -1,9 +1,10 @@
 """The study's datasets: written atomically with provenance, read with their contract checked."""
 
 from dea.atomic_file import atomic
+from dea.checksum import sha256
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.described import Described, complex_parts, variable
-from dea.store.files import read, sha256, write
+from dea.store.files import read, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import (
     ForeignTable,

@@ -14,6 +14,7 @@ from typing import Any
 import xarray as xr
 
 from dea.atomic_file import atomic
+from dea.checksum import sha256
 from dea.errors import InputError
 from dea.provenance import current_job
 from dea.store.contracts import CONTRACTS, check_units
@@ -111,12 +112,6 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
         ) from error
     _check_contract(dataset, path, contract)
     return dataset
-
-
-def sha256(path: str | Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _check_contract(dataset: xr.Dataset, path: Path, asked: str | None = None) -> str:
