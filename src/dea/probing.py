@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from dea.configuration.excitation import PASSAGE, is_whole
 from dea.errors import InputError
+from dea.given_numbers import is_count
 from dea.seeds import generator
 
 Signal = NDArray[np.float64]
@@ -74,7 +75,7 @@ class Probing:
     def __post_init__(self) -> None:
         for name in ("realisations", "periods"):
             count = getattr(self, name)
-            if not isinstance(count, int | np.integer) or count < 1:
+            if not is_count(count):
                 raise _refused(name, f"it is {count!r}, not a whole number of 1 or more")
         if not 0.0 < self.lowest <= self.highest < np.inf:
             raise _refused(

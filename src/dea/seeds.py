@@ -5,6 +5,7 @@ import hashlib
 import numpy as np
 
 from dea.errors import InputError
+from dea.given_numbers import is_count
 
 
 def generator(seed: int, *names: str) -> np.random.Generator:
@@ -15,7 +16,7 @@ def generator(seed: int, *names: str) -> np.random.Generator:
     InputError
         If the seed is no whole number from 0 on.
     """
-    if not isinstance(seed, int | np.integer) or seed < 0:
+    if not is_count(seed, 0):
         raise InputError(
             f"it is {seed!r}", field="seed", remedy="Give a whole number of at least 0."
         )

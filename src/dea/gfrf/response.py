@@ -13,6 +13,7 @@ from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
+from dea.given_numbers import is_count
 from dea.narx import NarxModel, rate_of
 from dea.store import real_numbers
 from dea.terms import input_symbol, static_value
@@ -200,7 +201,7 @@ def zero_input_response(
 def _radians(
     order: int, frequencies: ArrayLike | Sequence[ArrayLike], sampling_rate: float
 ) -> list[Array]:
-    if not isinstance(order, int | np.integer) or order < 1:
+    if not is_count(order):
         raise InputError(
             f"it is {order!r}",
             field="order",

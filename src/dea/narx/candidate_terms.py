@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from dea.errors import InputError
+from dea.given_numbers import is_count
 from dea.terms import Term
 
 Lags = int | Sequence[int]
@@ -42,7 +43,7 @@ def candidate_terms(
     InputError
         If lags or degree are not whole numbers in their range, or there are too many terms.
     """
-    if not isinstance(degree, _WHOLE) or degree < 1:
+    if not is_count(degree):
         raise InputError(
             f"a degree of {degree!r}", field="degree", remedy="It is a whole number, at least 1."
         )

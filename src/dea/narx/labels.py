@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Any, cast
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.given_numbers import is_positive
 from dea.inputs import input_count
 from dea.missing import stretches
 from dea.narx.checks import as_pair
@@ -146,7 +146,7 @@ def rate_of(labels: Labels, given: float | None) -> float:
 
 def check_rate(sampling_rate: float) -> None:
     """Refuse a sampling rate that is not a positive number."""
-    if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
+    if not is_positive(sampling_rate):
         raise InputError(
             f"it is {sampling_rate!r}",
             field="sampling_rate",

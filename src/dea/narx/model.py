@@ -13,6 +13,7 @@ from dea import store
 from dea.arrays import Array
 from dea.equation import equation_html, equation_latex
 from dea.errors import InputError
+from dea.given_numbers import is_count
 from dea.missing import filled
 from dea.narx.checks import as_input, as_signal
 from dea.narx.labels import Labels, input_of, pair
@@ -215,7 +216,7 @@ class NarxModel:
             Predicted output in physical units, shape (samples,); its first ``max_lag + steps - 1``
             samples, whose past is unknown, are the measured ones.
         """
-        if not isinstance(steps, int | np.integer) or steps < 1:
+        if not is_count(steps):
             raise InputError(
                 f"it is {steps!r}", field="steps", remedy="Predict a whole number of samples ahead"
             )

@@ -14,6 +14,7 @@ import numpy as np
 from dea.arrays import Array
 from dea.confidence import DEVIATIONS
 from dea.errors import InputError
+from dea.given_numbers import is_count
 from dea.inputs import by_input, input_count
 
 
@@ -69,7 +70,7 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
     InputError
         If the residual has no two samples that far apart.
     """
-    if not isinstance(max_lag, int | np.integer) or not 0 < max_lag < e.size:
+    if not is_count(max_lag) or max_lag >= e.size:
         raise InputError(
             f"it is {max_lag!r} for {e.size} samples",
             field="max_lag",

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from numbers import Real
 
-import numpy as np
-
 from dea.errors import InputError
+from dea.given_numbers import is_count
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ def _one_or_any(max_terms: int | None) -> None:
 
 
 def _whole(name: str, count: int, least: int) -> None:
-    if not isinstance(count, int | np.integer) or count < least:
+    if not is_count(count, least):
         raise InputError(
             f"it is {count!r}", field=name, remedy=f"Give a whole number, {least} or more."
         )

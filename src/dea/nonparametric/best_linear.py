@@ -16,6 +16,7 @@ from scipy.special import fdtri, stdtrit
 from dea.arrays import Array, Complex
 from dea.confidence import LEVEL
 from dea.errors import InputError
+from dea.given_numbers import is_count
 from dea.nonparametric.periods import Periods
 
 Lines = NDArray[np.int64]
@@ -90,7 +91,7 @@ def best_linear(periods: Periods, drift: int = 3, excited_above: float = 0.01) -
         raise InputError(
             f"it is {excited_above!r}", field="excited_above", remedy="Give a share between 0 and 1"
         )
-    if not isinstance(drift, int | np.integer) or drift < 0:
+    if not is_count(drift, 0):
         raise InputError(
             f"it is {drift!r}", field="drift", remedy="Give the order of a polynomial, 0 or more"
         )

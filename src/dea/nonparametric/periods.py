@@ -1,6 +1,5 @@
 """Whole periods of the realisations of a periodic excitation, cut from a record."""
 
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 
 from dea.arrays import Array
 from dea.errors import InputError
+from dea.given_numbers import is_positive
 from dea.store import signals
 
 
@@ -49,7 +49,7 @@ def periods_of(record: xr.Dataset, period: float) -> list[Periods]:
                 remedy="Number the samples of whole periods by stretch and realisation, from 1; 0"
                 " elsewhere.",
             )
-    if not (isinstance(period, Real) and 0.0 < float(period) < np.inf):
+    if not is_positive(period):
         raise InputError(
             f"it is {period!r}", field="period", remedy="Give the period of the excitation in s."
         )

@@ -1,13 +1,13 @@
 """The arrays of a record of a system's input and output, and what they are called."""
 
 from collections.abc import Sequence
-from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dea.errors import InputError
+from dea.given_numbers import is_positive
 from dea.inputs import input_count
 
 _ROUNDING = 1e-6  # of a sample, by which a time may miss it
@@ -117,7 +117,7 @@ class Record(NamedTuple):
             )
         for signal, name in ((inputs, "u"), (outputs, "y")):
             require_squares(signal, name)
-        if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
+        if not is_positive(sampling_rate):
             raise InputError(
                 f"it is {sampling_rate!r}", field="sampling_rate", remedy="Give a number in Hz"
             )
