@@ -5,8 +5,9 @@ from itertools import pairwise
 from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
-from dea.configuration.register import ARRAYS, INTEGERS, KNOWN, TYPES, Order, Register, Table
+from dea.configuration.register import ARRAYS, KNOWN, NUMBERS, TYPES, Order, Register, Table
 from dea.configuration.safety import Mode, Safety
 from dea.configuration.safety_registers import check_registers
 from dea.configuration.section import NotNegative, Positive, Section, Truth, Whole, key, refuse
@@ -15,11 +16,13 @@ Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
 Parity = Literal["N", "E", "O"]
 # What a record holds the registers needed in (`dea.store`).
 UNITS = {"output": "V", "displacement": "mm"}
-# Registers that hold a whole number, and why.
+# Why registers hold a whole number, where that is not plain from their names.
 WHOLE = {
     "output": "the output is driven in whole counts",
     "device_index": "the device counts its samples in it",
 }
+# Registers of one value of a signal.
+SIGNALS = ("output", "applied_output", "displacement")
 LONGEST_LATE_WRITE = 5.0  # s
 # Similarity from which a name is taken for a known one, misspelt: two letters of five swapped.
 MISSPELT = 0.8
@@ -78,6 +81,29 @@ def _spelt(registers: dict[str, Register]) -> dict[str, Register]:
     return registers
 
 
+def _unheld(name: str, register: Register) -> PydanticCustomError:
+    """Return the refusal of a register that has another type or count than its name asks for."""
+    if name in SIGNALS and (register.count > 1 or register.type not in NUMBERS):
+        return refuse(
+            f"registers.{name}.count",
+            f"{register.count} values of type {register.type}",
+            "Give the address of the one value; describe its neighbours apart.",
+        )
+    held = f"{register.type}, count {register.count}"
+    if name in WHOLE:
+        return refuse(
+            f"registers.{name}.type",
+            f"{held}, and {WHOLE[name]}",
+            "Use the device's integer register and count: 1.",
+        )
+    return refuse(
+        f"registers.{name}.type",
+        f"{held}, which cannot hold it",
+        f"Give one of {', '.join(TYPES[name])}"
+        + (", as the device has it." if name in ARRAYS else ", and count: 1."),
+    )
+
+
 class DeviceDescription(Section):
     """A Modbus device: endpoint, framing and register map (docs/acquisition.md)."""
 
@@ -107,15 +133,18 @@ class DeviceDescription(Section):
     ] = key("`output`, `displacement` and what else the device has, by name")
 
     @model_validator(mode="after")
-    def _single_values(self) -> Self:
-        for name in ("output", "applied_output", "displacement"):
+    def _held(self) -> Self:
+        """Refuse a register that cannot hold what its name says."""
+        for name, types in TYPES.items():
             register = self.registers.get(name)
-            if register and (register.count > 1 or register.type in ("string", "bool")):
-                raise refuse(
-                    f"registers.{name}.count",
-                    f"{register.count} values of type {register.type}",
-                    "Give the address of the one value; describe its neighbours apart.",
-                )
+            if register is None:
+                continue
+            if register.type not in types or (register.count > 1 and name not in ARRAYS):
+                raise _unheld(name, register)
+        return self
+
+    @model_validator(mode="after")
+    def _driven(self) -> Self:
         if "command" in self.registers and "state" not in self.registers:
             raise refuse(
                 "registers.state",
@@ -143,25 +172,6 @@ class DeviceDescription(Section):
                     f"registers.{name}.access",
                     "write",
                     "Give read or read_write: it is what is measured.",
-                )
-        for name, why in WHOLE.items():
-            register = self.registers.get(name)
-            if register and (register.type not in INTEGERS or register.count > 1):
-                raise refuse(
-                    f"registers.{name}.type",
-                    f"{register.type}, count {register.count}, and {why}",
-                    "Use the device's integer register and count: 1.",
-                )
-        for name, types in TYPES.items():
-            register = self.registers.get(name)
-            if register is None:
-                continue
-            if register.type not in types or (register.count > 1 and name not in ARRAYS):
-                raise refuse(
-                    f"registers.{name}.type",
-                    f"{register.type}, count {register.count}, which cannot hold it",
-                    f"Give one of {', '.join(types)}"
-                    + (", as the device has it." if name in ARRAYS else ", and count: 1."),
                 )
         return self
 

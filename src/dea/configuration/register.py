@@ -34,6 +34,7 @@ ARRAYS = ("block_samples", "reply_samples")
 # What the known registers hold; `boot` is only compared.
 TYPES: Mapping[str, tuple[RegisterType, ...]] = (
     dict.fromkeys(KNOWN, NUMBERS)
+    | dict.fromkeys(("output", "device_index"), INTEGERS)
     | dict.fromkeys(("state", "command", "fifo_length", "block_count", *ARRAYS), INTEGERS)
     | dict.fromkeys(("reply_count", "reply_origin", "reply_state", "reply_fifo"), INTEGERS)
     | dict.fromkeys(("claim", "block_crc", "block_sequence", "block_read_index"), LONG)
