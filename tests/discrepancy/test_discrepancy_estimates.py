@@ -9,9 +9,9 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.evidence.steepness import shortened
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.report.estimates import estimates, quoted, uncertainty
-from dea.discrepancy.report.steepness import shortened
 from dea.simulation import Attached, Parameter, catalogue
 from dea.simulation.page import REFERENCE
 

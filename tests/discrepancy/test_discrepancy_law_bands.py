@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from dea.discrepancy.evidence.law_bands import banded_laws, in_force_unit
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.discrepancy.report.law_bands import banded_laws, in_force_unit
 from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
 from made_carriage import CARRIAGE
 

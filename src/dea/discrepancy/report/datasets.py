@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.diagnosis import Diagnosis
-from dea.discrepancy.report.law_bands import banded_laws, in_force_unit
+from dea.discrepancy.evidence.law_bands import banded_laws, in_force_unit
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate

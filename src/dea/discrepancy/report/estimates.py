@@ -7,9 +7,9 @@ import numpy as np
 
 from dea.confidence import DEVIATIONS
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
+from dea.discrepancy.evidence.steepness import shortened
 from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.report.steepness import shortened
 from dea.discrepancy.report.verdict import Estimate
 from dea.simulation import Attached
 
