@@ -28,14 +28,23 @@ def share(value: float, low: float | None = None, high: float | None = None) -> 
     return f"{100 * value:.0f} %{interval}"
 
 
+def quantity(value: float, unit: str) -> str:
+    """Return a value with its unit, as ``1.5 Hz``; of a pure number, ``1``, there is none."""
+    return f"{value:.3g}{_after(unit)}"
+
+
+def _after(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
+
+
 def estimate(value: float, low: float, high: float, unit: str, *, at_bound: bool = False) -> str:
     """Return a parameter's value with half of its interval, and of one at its bound that it is.
 
     Where the interval reaches much further on one side, its ends alone are told.
     """
-    units = "" if unit == "1" else f" {unit}"
     if at_bound:
-        return f"{value:.3g}{units} at its bound"
+        return f"{quantity(value, unit)} at its bound"
+    units = _after(unit)
     below, above = value - low, high - value
     if max(below, above) > _LOPSIDED * min(below, above):
         return f"{low:.3g} to {high:.3g}{units}"

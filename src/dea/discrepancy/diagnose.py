@@ -15,6 +15,7 @@ from dea.discrepancy.decision import (
     proven_alone,
     share_of,
     sure_alone,
+    with_priors_checked,
     without_small_drift,
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
@@ -163,6 +164,7 @@ def diagnose(
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
+    decided = with_priors_checked(decided, evidence, workers)
     tell("the answer on samples not used so far")
     decision, final, certificate = _certified(evidence, decided, others, workers)
 

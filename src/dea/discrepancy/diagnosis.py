@@ -19,9 +19,9 @@ from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.report.estimates import Uncertainty, uncertainty
+from dea.discrepancy.report.estimates import Uncertainty, estimates_beyond_priors, uncertainty
 from dea.discrepancy.report.summary import verdict_of
-from dea.discrepancy.report.verdict import Verdict
+from dea.discrepancy.report.verdict import Estimate, Verdict
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.not_offered import NotOffered
@@ -136,6 +136,16 @@ class Diagnosis:
     def uncertainty(self) -> Uncertainty:
         """How sure the coordinates of the ``final`` simulation are."""
         return uncertainty(self.problem, self.final, self.spread, self.error)
+
+    @cached_property
+    def beyond_priors(self) -> dict[str, Estimate]:
+        """The simulation's own parameters where they explain the record beyond their priors."""
+        freed = self.decision.freed
+        if freed is None:
+            return {}
+        white = ModelError(self.noise_floor, 0.0, 0.0, 1.0)  # what it leaves says the rest
+        sure = uncertainty(self.problem, freed, np.zeros(freed.coordinates.size), white)
+        return estimates_beyond_priors(freed, self.nominal.extended, sure.deviation)
 
     @property
     def above_white(self) -> float:

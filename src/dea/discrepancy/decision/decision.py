@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from dea.discrepancy.evidence.certificate import Certified
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate
 
@@ -30,6 +31,7 @@ class Reason(StrEnum):
     UNEXPLAINED = "the best effect leaves too much unexplained"
     REMAINS = "what remains is not named"
     RIVAL = "a rival explains the record as well"
+    PRIORS = "the simulation alone explains the record, beyond its declared priors"
     ONLY_CERTIFIED = "only the certified samples show it"
     OF_ONE_RECORD = "the best effect fails on the records left out"
     CONTRADICTED = "the best effect fails on the certified samples"
@@ -44,6 +46,7 @@ class Decision:
     there is no answer, ``whole`` is ``None``, whatever is given. The reason ``COLOURED`` of a whole
     one says what it leaves. Where samples not used so far have
     withdrawn it, ``contradicted`` holds the errors on those that did, by the name of the record.
+    ``freed`` is the simulation alone where its parameters explain the record beyond their priors.
     """
 
     status: Status
@@ -52,6 +55,7 @@ class Decision:
     reason: Reason | None = None
     whole: bool | None = True
     contradicted: Mapping[str, Certified] = field(default_factory=dict)
+    freed: Fit | None = None
 
     def __post_init__(self) -> None:
         if self.answer is None:

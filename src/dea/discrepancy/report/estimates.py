@@ -11,7 +11,7 @@ from dea.discrepancy.evidence.steepness import shortened
 from dea.discrepancy.fit import Fit, at_bounds
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.verdict import Estimate
-from dea.simulation import Attached
+from dea.simulation import Attached, ExtendedSimulation, Parameter
 
 
 class Uncertainty(NamedTuple):
@@ -64,12 +64,7 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         at, error = float(fit.coordinates[position]), float(deviation[position])
         value, prior, *ends = (
             origin + unit * each
-            for each in (
-                float(values[i]),
-                parameter.value(0.0),
-                parameter.value(at - DEVIATIONS * error),
-                parameter.value(at + DEVIATIONS * error),
-            )
+            for each in (float(values[i]), *_prior_and_ends(parameter, at, error))
         )
         estimate = Estimate(
             value,
@@ -84,6 +79,44 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         turn = (parameter.name != defining, bool(extended.at_start[position]), -estimate.moved)
         found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
+
+
+def estimates_beyond_priors(
+    freed: Fit, declared: ExtendedSimulation, deviation: np.ndarray
+) -> dict[str, Estimate]:
+    """Return the simulation's own parameters that are outside what their declared priors allow.
+
+    ``freed`` is a fit with wider ones, and ``deviation`` (k,) the standard deviation of its
+    coordinates.
+    """
+    low, high = declared.bounds
+    asked = declared.coordinates(freed.values)
+    found = {}
+    for position, i in enumerate(declared.free):
+        own = i < len(declared.simulation.parameters)
+        if not own or low[position] <= asked[position] <= high[position]:
+            continue
+        parameter = freed.extended.parameters[i]
+        at, error = float(freed.coordinates[position]), float(deviation[position])
+        prior, *ends = _prior_and_ends(parameter, at, error)
+        found[parameter.name] = Estimate(
+            float(freed.values[i]),
+            parameter.unit,
+            min(ends),
+            max(ends),
+            prior,
+            moved=abs(at) / error,
+        )
+    return found
+
+
+def _prior_and_ends(parameter: Parameter, at: float, error: float) -> tuple[float, float, float]:
+    """Return a parameter's prior mean, and its 95 % interval about a coordinate."""
+    return (
+        parameter.value(0.0),
+        parameter.value(at - DEVIATIONS * error),
+        parameter.value(at + DEVIATIONS * error),
+    )
 
 
 def quoted(attached: Attached, found: Mapping[str, Estimate]) -> tuple[str, ...]:

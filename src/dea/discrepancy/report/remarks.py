@@ -169,8 +169,11 @@ def _excluded(found: "Diagnosis") -> str:
 def _bounds(found: "Diagnosis") -> str:
     """Name the simulation's own parameters that the record would have beyond their priors.
 
-    An effect may stand for them: they are then at their bounds without it alone.
+    An effect may stand for them: they are then at their bounds without it alone. Where they alone
+    explain the record, the finding says so.
     """
+    if found.decision.freed is not None:
+        return ""
     away = _at_their_bounds(beyond_priors(found.extended))
     if away:
         return f"{away}: the declared priors exclude what the record asks for."

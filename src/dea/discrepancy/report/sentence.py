@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
+from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.rules import misfit
 from dea.effect_label import ends, joined, name_and_place
-from dea.number_format import estimate, share, written_out
+from dea.number_format import estimate, quantity, share, written_out
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
     from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
+    from dea.discrepancy.fit import Fit
     from dea.discrepancy.report.verdict import NamedEffect
     from dea.discrepancy.search.candidates import Candidate
 
@@ -89,6 +91,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             f"Nothing is missing that this record could show: {decision.reason} "
             f"(error {block.before:.3g} {unit}, {noise})."
         )
+    if decision.freed is not None:
+        return f"{_excluding_priors(found, decision.freed)} {place[0].upper()}{place[1:]}."
     if decision.status is Status.UNKNOWN:
         hints = "", ""
         if decision.reason is Reason.ONLY_CERTIFIED:
@@ -134,6 +138,24 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     doubt = f" In this record {rivals} of its class would do as well{alike}." if rivals else ""
     probably = "Probably " if law_too_poor(found) else ""
     return f"{probably}{removed}: {proof}.{doubt}{_form(found)} {place}."
+
+
+def _excluding_priors(found: "Diagnosis", freed: "Fit") -> str:
+    """Say at which values, beyond their priors, the simulation's parameters need no effect."""
+    unit = found.units[1]
+    told = [
+        f"{name.replace('_', ' ')} {estimate(each.value, each.low, each.high, each.unit)} "
+        f"(declared {quantity(each.prior, each.unit)})"
+        for name, each in found.beyond_priors.items()
+    ]
+    left = rmse(freed.residual, found.problem.certify)
+    remedy = "its nominal value or its spread" if len(told) == 1 else "these nominal values"
+    return (
+        "Nothing is named, because the declared priors exclude this device: "
+        f"with {' and '.join(told)} the simulation alone has an error of {left:.3g} {unit} on the "
+        f"certified samples, within its priors one of {found.certificate.block.before:.3g} {unit}, "
+        f"noise floor {found.noise_floor:.3g} {unit}. Correct {remedy}, and diagnose again."
+    )
 
 
 def _against(found: "Diagnosis") -> str:

@@ -69,6 +69,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         ),
         whole=found.decision.whole,
         law_too_poor=law_too_poor(found),
+        beyond_priors=found.beyond_priors,
         share=asdict(found.share) if found.share else None,
         presence={"effects": found.presence.effects, "families": found.presence.families},
         model_error=asdict(found.error) | {"level": found.error.level},

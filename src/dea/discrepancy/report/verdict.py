@@ -134,6 +134,9 @@ class Verdict:
     law_too_poor
         Whether effects named as all of the answer leave more than ``rules.poor`` times what a
         complete simulation leaves on the certified samples, and that is no coloured noise.
+    beyond_priors
+        The simulation's own parameters, where their values alone explain the record but are outside
+        what their priors allow; no effect is named then.
     share
         Part of the misfit that they remove on held-out blocks: its value, low and high.
     presence
@@ -160,6 +163,7 @@ class Verdict:
     not_identifiable: tuple[str, ...] = ()
     whole: bool | None = True
     law_too_poor: bool = False
+    beyond_priors: dict[str, Estimate] = field(default_factory=dict)
     share: dict[str, float] | None = None
     presence: dict[str, dict[str, float]] = field(default_factory=dict)
     model_error: dict[str, float] = field(default_factory=dict)
@@ -188,6 +192,10 @@ class Verdict:
             partial.write_text(as_json(content, 2) + "\n")
 
 
+def _estimates(content: Mapping[str, Mapping[str, Any]]) -> dict[str, Estimate]:
+    return {name: Estimate(**each) for name, each in content.items()}
+
+
 def read_verdict(path: str | Path) -> Verdict:
     """Read ``verdict.json``.
 
@@ -207,7 +215,7 @@ def read_verdict(path: str | Path) -> Verdict:
             NamedEffect(
                 **{
                     **effect,
-                    "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
+                    "parameters": _estimates(effect["parameters"]),
                     "gain": tuple(effect["gain"]),
                     "change": Change(**effect["change"]) if effect.get("change") else None,
                     "bend": Bend(**effect["bend"]) if effect.get("bend") else None,
@@ -221,6 +229,7 @@ def read_verdict(path: str | Path) -> Verdict:
             **{
                 **content,
                 "effects": effects,
+                "beyond_priors": _estimates(content.get("beyond_priors", {})),
                 "not_identifiable": tuple(content["not_identifiable"]),
                 "remarks": tuple(content["remarks"]),
                 "not_offered": tuple(
