@@ -14,6 +14,7 @@ from dea.discrepancy.evidence.colour import (
     is_like_gaussian,
     is_white,
     predictable,
+    repeats,
 )
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.problem import Problem
@@ -275,6 +276,36 @@ def moving(y, residual):
     halves = np.arange(N) // 125 % 2 == 0
     u = np.random.default_rng(13).standard_normal(N)
     return Problem(u, y + residual, 0.02, halves, ~halves, np.zeros(N, bool))
+
+
+def repeated(seed, period, residual):
+    """A record of a command that repeats, and what is left of it."""
+    u = np.random.default_rng(seed).standard_normal(period)
+    halves = np.arange(N) // 125 % 2 == 0
+    return Problem(np.resize(u, N), residual, 0.02, halves, ~halves, np.zeros(N, bool))
+
+
+@pytest.mark.parametrize("period", [97, 500, 1000])
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_whatrepeats_with_the_command_is_predicted_whatever_its_law(share, period):
+    """A waveform that no past of the command tells, and white noise; of k periods k - 1 tell it."""
+    rng = np.random.default_rng(15)
+    wave = np.resize(rng.standard_normal(period), N)
+    residual = np.sqrt(share) * wave + np.sqrt(1.0 - share) * rng.standard_normal(N)
+    others = N / period - 1.0
+    told = share**2 / (share + (1.0 - share) / others)
+    part = predictable(repeated(16, period, residual), residual)
+    assert part == pytest.approx(1.0 - np.sqrt(1.0 - told), abs=0.05)
+
+
+@pytest.mark.parametrize("memory", [2, 50, 1000])
+@pytest.mark.parametrize("period", [97, 500, 1000])
+def test_noise_beside_a_command_thatrepeats_is_not_predicted(memory, period):
+    found = []
+    for seed in range(12):
+        residual = slow(np.random.default_rng(seed), memory)
+        found.append(repeats(repeated(17, period, residual), residual))
+    assert np.mean(np.array(found) > MOST) < 0.1
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.stats import chi2, kurtosis
 
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.null import long_blocks, long_parts
+from dea.discrepancy.evidence.period import exact_period
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
@@ -123,9 +125,12 @@ def is_white(problem: Problem, residual: np.ndarray) -> bool:
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:
-    """Return the part of a residual that input and motion predict on samples not fitted to."""
+    """Return the part of a residual that input and motion predict on samples not fitted to.
+
+    Where the input repeats, what a residual repeats follows from it too, whatever the law.
+    """
     flexible = 1.0 - residual_model(problem, residual).ratio
-    return max(flexible, _follows_input(problem, residual))
+    return max(flexible, _follows_input(problem, residual), repeats(problem, residual))
 
 
 def is_like_gaussian(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
@@ -195,6 +200,29 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
 
     X = np.column_stack([problem.of_each_record(past, u) for u in by_input(problem.u)])
     return part_predicted(problem, residual, X, (_RIDGE,))
+
+
+def repeats(problem: Problem, residual: np.ndarray) -> float:
+    """Return the part of a residual that its other periods predict, where an input repeats.
+
+    What is slower than a period is left out: of two periods that follow one another it is alike.
+    """
+    others = np.zeros(problem.size)
+    for own, period in zip(problem.records, problem.periods, strict=True):
+        if period:
+            slow = uniform_filter1d(problem.across_certified(residual)[own], period)
+            exact = exact_period(problem.u[own], period)
+            others[own] = _of_other_periods(residual[own] - slow, problem.seen[own], exact)
+    return part_predicted(problem, residual, others[:, None], (_RIDGE,)) if others.any() else 0.0
+
+
+def _of_other_periods(signal: np.ndarray, seen: np.ndarray, period: float) -> np.ndarray:
+    """Return the mean (n,) of a signal at the same phase of the other periods, where it is seen."""
+    phase = np.rint(np.arange(signal.size) % period).astype(int) % round(period)
+    own = np.where(seen, signal, 0.0)
+    total, count = np.bincount(phase, own), np.bincount(phase, seen)
+    mean: np.ndarray = (total[phase] - own) / np.maximum(count[phase] - seen, 1)
+    return mean
 
 
 def _past(u: np.ndarray, lags: np.ndarray) -> np.ndarray:
