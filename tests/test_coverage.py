@@ -179,7 +179,7 @@ def test_bands_half_as_wide_as_they_should_be_are_noticed(monkeypatch):
         assert pooled(counted, quantity).high < 0.92
 
 
-DRIFTING = Settings(count=8, samples=2000, plants=(), drifting=("two_poles",))
+DRIFTING = Settings(count=16, samples=2000, plants=(), drifting=("two_poles",))
 
 
 @pytest.fixture

@@ -91,10 +91,8 @@ def _batch(arguments: tuple[Cell, range, int, int]) -> list[Judged]:
     drawn = generators(seed, cell.name, numbers)
     made = records(plant, cell.kind, cell.noise, samples, drawn, cell.drifting)
     if made.parameters is not None:
-        return [
-            judge_track(plant, cell.kind, u, y, true, cell.estimate)
-            for u, y, true in zip(made.u, made.y, made.parameters, strict=True)
-        ]
+        each = zip(made.u, made.y, made.clean, made.parameters, strict=True)
+        return [judge_track(plant, cell.kind, *record, cell.estimate) for record in each]
     refined = cell.estimate == "refined"
     return [judge(plant, cell.kind, u, y, refined) for u, y in zip(made.u, made.y, strict=True)]
 

@@ -8,8 +8,8 @@ import numpy as np
 
 import dea
 from benchmarks.coverage import truth
-from benchmarks.coverage.plants import Plant, plants
-from benchmarks.coverage.records import BAND
+from benchmarks.coverage.plants import Plant, plants, simulate
+from benchmarks.coverage.records import BAND, SETTLING, excitation
 from dea.arrays import Array
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, estimate, refine
@@ -22,9 +22,11 @@ FREQUENCIES = {
     "band-limited": np.array([0.002, 0.005, 0.01, 0.9 * BAND]),
 }
 PAIRS = ((0, 0), (0, 2), (1, 1), (1, 3), (3, 3))  # of these frequencies, for H2
-QUANTITIES = ("parameters", "H1 gain", "H1 phase", "H2 gain", "H2 phase")
+QUANTITIES = ("parameters", "H1 gain", "H1 phase", "H2 gain", "H2 phase", "rest", "free run")
+HELD = np.array([-0.3, 0.3])  # inputs at which the rest is judged
+FRESH, FROM = 600, 40  # samples of a free run on an input of its own, and the first one judged
 TRACKERS = ("rls", "kalman", "output_error", "local")
-INSTANTS = 8  # of a track that are judged
+INSTANTS = 8  # of a track, or of a free run, that are judged
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,15 @@ def responses(name: str, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the true H1 and H2 of a plant at rest, inside the band of an input."""
     plant, f = plants()[name], FREQUENCIES[kind]
     return truth.h1(plant, f), truth.h2(plant, _pairs(kind))
+
+
+@cache
+def outputs(name: str, kind: str) -> tuple[Array, Array, Array]:
+    """Return a plant's true rests at the inputs held, and its output on a fresh input, with it."""
+    plant = plants()[name]
+    rests = simulate(plant, np.repeat(HELD[:, None], truth.SETTLING, axis=1))[:, -1]
+    u = excitation(kind, SETTLING + FRESH, np.random.default_rng(0))
+    return rests, u[SETTLING:], simulate(plant, u)[SETTLING:]
 
 
 def _pairs(kind: str) -> Array:
@@ -76,10 +87,27 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
         phase = np.degrees(np.angle(true))
         inside[f"{label} gain"] = _inside(np.abs(true), band.gain_low, band.gain_high)
         inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high)
+    rests, fresh, output = outputs(plant.name, kind)
+    found = [_rest(model, held) for held in HELD]
+    inside["rest"] = _inside(rests, *np.array(found).T)
+    _, *ends = dea.simulation_interval(model, fresh, output[: model.max_lag])
+    judged = np.linspace(FROM, FRESH - 1, INSTANTS).astype(int)
+    inside["free run"] = _inside(output[judged], *(end[judged] for end in ends))
     return Judged(inside, withheld)
 
 
-def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracker: str) -> Judged:
+def _rest(model: NarxModel, held: float) -> tuple[float, float]:
+    """Return the ends of the interval of the rest, missing where the estimate has none."""
+    try:
+        found = dea.gfrf.zero_input_interval(model, operating_point=held)
+    except InputError:
+        return np.nan, np.nan
+    return float(found.low), float(found.high)
+
+
+def judge_track(
+    plant: Plant, kind: str, u: Array, y: Array, clean: Array, true: Array, tracker: str
+) -> Judged:
     """Track the parameters of the plant's structure; ``true`` is (samples, terms).
 
     The true responses are those of the plant with the parameters of the instant, by the algebra
@@ -92,11 +120,15 @@ def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracke
     try:
         track = dea.track_parameters(model, u, y, method=tracker)
     except (InputError, np.linalg.LinAlgError) as error:
-        points = {"parameters": len(followed.terms)} | {
-            f"{label} {part}": len(FREQUENCIES[kind] if order == 1 else pairs)
-            for label, order, _ in asked
-            for part in ("gain", "phase")
-        }
+        points = (
+            {"parameters": len(followed.terms)}
+            | {
+                f"{label} {part}": len(FREQUENCIES[kind] if order == 1 else pairs)
+                for label, order, _ in asked
+                for part in ("gain", "phase")
+            }
+            | {"rest": HELD.size, "free run": 1}
+        )
         nothing = {name: np.full(INSTANTS * count, np.nan) for name, count in points.items()}
         return Judged(nothing, f"fails: {error}")
     columns = {term: true[:, j] for j, term in enumerate(terms(plant))}
@@ -119,6 +151,20 @@ def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracke
         phase = np.degrees(np.angle(response))
         inside[f"{label} gain"] = _inside(np.abs(response), band.gain_low, band.gain_high).ravel()
         inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high).ravel()
+    at_rest: dict[str, Any] = {"allow_missing": True}
+    rests = []
+    for held in HELD:
+        at_rest["operating_point"] = held
+        known = dea.gfrf.zero_input_response(followed, parameters=expected.T, **at_rest)
+        found = dea.gfrf.zero_input_interval(
+            followed, parameters=track["parameter"].values[at], covariance=covariance, **at_rest
+        )
+        rests.append(_inside(known, found.low, found.high))
+    inside["rest"] = np.concatenate(rests)
+    runs = dea.tracking.compare_free_runs(model, {tracker: track}, u, y, window=len(u))
+    run = runs.sel(simulation=tracker)
+    ends = (run[f"simulated_{end}"].values[at] for end in ("low", "high"))
+    inside["free run"] = _inside(clean[at], *ends)
     return Judged(inside, str(track.attrs["withheld"]))
 
 

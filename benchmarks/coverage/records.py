@@ -21,10 +21,11 @@ DRIFT = 0.1  # relative change of a parameter
 
 @dataclass(frozen=True)
 class Records:
-    """Inputs and measured outputs, (records, samples), and what the parameters were."""
+    """Inputs, measured outputs and those without noise, (records, samples), and the parameters."""
 
     u: Array
     y: Array
+    clean: Array
     parameters: Array | None = None  # (records, samples, terms), where they change
 
 
@@ -54,7 +55,8 @@ def records(
         y = clean + NOISE * size * (_coloured(white) if noise == "coloured output" else white)
     if not np.isfinite(y).all():
         raise ValueError(f"{plant.name} diverges with {kind} input and {noise} noise")
-    return Records(u[:, kept], y[:, kept], None if course is None else course[:, kept])
+    parameters = None if course is None else course[:, kept]
+    return Records(u[:, kept], y[:, kept], clean[:, kept], parameters)
 
 
 def excitation(kind: str, samples: int, rng: np.random.Generator) -> Array:
