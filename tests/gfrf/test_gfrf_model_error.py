@@ -53,6 +53,23 @@ def test_noise_alone_is_seldom_taken_for_an_error(colour):
     assert np.mean(seen) < 0.03
 
 
+def test_an_error_that_noise_hides_at_most_lines_is_seen_around_them():
+    """Its size is right to a third on average, where single lines show it in a few records."""
+    sizes, true = [], []
+    for seed in range(10):
+        u = excitation(24_000, seed)
+        found = lacking(u, outputs(u, noise=0.1, seed=100 + seed))
+        _, slow = freqz(*SLOW, found.frequency, fs=RATE)
+        _, fast = freqz([0.0, 0.2], [1.0, -0.8], found.frequency, fs=RATE)
+        band = (found.frequency > 0.1) & (found.frequency < 0.4)
+        sizes.append(np.hypot(found.gain, found.phase)[0][band])
+        true.append(np.abs(slow / (fast + slow))[band])
+    assert np.mean(np.array(sizes) > 0.0) > 0.95
+    assert np.sqrt(np.mean(np.square(sizes))) == pytest.approx(
+        np.sqrt(np.mean(np.square(true))), rel=0.33
+    )
+
+
 def test_of_two_inputs_the_one_whose_response_lacks_something_is_told():
     u = np.stack([excitation(60_000, 1), excitation(60_000, 2)], axis=1)
     model = NarxModel.from_terms({"y(t-1)": 0.8, "u1(t-1)": 0.2, "u2(t-1)": 0.2}, scaling=Scaling())

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dea.arrays import Array
+from dea.arrays import Array, Complex
 from dea.inputs import by_input
 from dea.missing import filled
 from dea.narx import NarxModel, as_input, simulate_varying
@@ -22,7 +22,10 @@ _SEGMENTS = 8  # independent ones, at least: nine that overlap by half
 # Segments that overlap by half are correlated, with Hann's window by 1/6: so many of them count as
 # one independent one (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
 _ALIKE = 1.0 + 2.0 / 6.0**2
-_CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency
+_CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency and around it
+# Deviation of the logarithm of the frequency over which neighbours count, and the correlation of
+# the power of lines that are one and two apart, with Hann's window.
+_AROUND, _SHARED = 0.5, (4.0 / 9.0, 1.0 / 36.0)
 _RESOLVED = 2.0  # periods in a segment
 
 
@@ -102,14 +105,49 @@ def model_error(
     left = E - np.einsum("if,ikf->kf", to_error, U)
     noise = np.mean(np.abs(left) ** 2, axis=0) * averages / (averages - len(inputs))
     variance = _ALIKE * noise * np.einsum("fii->if", np.linalg.inv(auto)).real
-    relative = to_error / to_output
+    lines = frequency[usable]
+    relative: Complex = np.asarray(to_error / to_output, dtype=np.complex128)
     variance /= np.abs(to_output) ** 2
-    beyond_chance = np.abs(relative) ** 2 > -np.log(_CHANCE) * variance
+    free = averages - len(inputs)
+    return ModelErrorModel(lines, *_deviations(lines, relative, variance, free))
+
+
+def _deviations(
+    frequency: Array, relative: Complex, variance: Array, free: float
+) -> tuple[Array, Array]:
+    """Return the standard deviations of gain and phase (inputs, lines) of a relative error.
+
+    It counts at a line where it is beyond chance there, and around a line where it is on average:
+    an error that the noise hides at one line is about as large as at its neighbours. The larger
+    counts. ``variance`` (inputs, lines) is that of the relative error by noise, estimated with so
+    many ``free`` complex values.
+    """
+    from scipy.stats import gamma
+
+    weights = np.exp(-0.5 * (np.log(frequency[:, None] / frequency) / _AROUND) ** 2)
+    weights /= weights.sum(axis=1, keepdims=True)
+    excess = [part**2 - 0.5 * variance for part in (relative.real, relative.imag)]
+    power = np.abs(relative) ** 2
+    here = power > -np.log(_CHANCE) * variance
+    # The power of noise over its estimated mean is an F variable of 2 and 2 free degrees: of mean
+    # free/(free - 1), and over that of variance free/(free - 2). A mean of lines is nearly a gamma
+    # variable of its variance.
+    mean = (1.0 - 1.0 / free) * (power / variance) @ weights.T
+    shape = (1.0 - 2.0 / free) / _spread(weights)
+    around = mean > gamma.ppf(1.0 - _CHANCE, shape) / shape
     gain, phase = (
-        np.sqrt(np.maximum(part**2 - 0.5 * variance, 0.0)) * beyond_chance
-        for part in (relative.real, relative.imag)
+        np.sqrt(np.maximum(np.maximum(each, 0.0) * here, (each @ weights.T) * around))
+        for each in excess
     )
-    return ModelErrorModel(frequency[usable], gain, phase)
+    return gain, phase
+
+
+def _spread(weights: Array) -> Array:
+    """Return the variance (lines,) of weighted means of lines, over that of one line."""
+    spread: Array = np.sum(weights**2, axis=1)
+    for apart, shared in enumerate(_SHARED, 1):
+        spread += 2.0 * shared * np.sum(weights[:, apart:] * weights[:, :-apart], axis=1)
+    return spread
 
 
 def _transformed(signals: Array, starts: NDArray[np.int64], length: int) -> NDArray[np.complex128]:
