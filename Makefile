@@ -40,7 +40,7 @@ KEEP = $(if $(filter-out 0,$(STORE)),--store)
 
 .DEFAULT_GOAL := help
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
-	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws thresholds docs audit sign crate slurm \
+	container calibration real trials records faults peers interoperability soak coverage coverage-film intervals configuration laws thresholds docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test slow-tests compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
@@ -159,6 +159,9 @@ intervals: $(VENV)/installed ## how often the 95 % interval of a named effect ho
 coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1 SAMPLES=4000; DRIFTING=1 for those that drift)
 	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
 		$(SAMPLES:%=--samples %) $(if $(filter-out 0,$(DRIFTING)),--drifting) $(KEEP)
+
+coverage-film: $(VENV)/installed ## how often they hold the responses of the virtual actuators (COUNT=17 of each, SEED=1)
+	python -m benchmarks.coverage.film --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(KEEP)
 
 peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)
 	command -v mbpoll && test -e /usr/include/modbus/modbus.h || \

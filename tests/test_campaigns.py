@@ -23,6 +23,7 @@ from benchmarks import (
 from benchmarks import trials as kept_trials
 from benchmarks.command_line import run
 from benchmarks.coverage import __main__ as coverage
+from benchmarks.coverage import film
 from benchmarks.faults import __main__ as faults
 
 from dea.errors import InputError
@@ -43,6 +44,7 @@ def asked_by(command):
     ("target", "given", "wanted"),
     [
         ("coverage", {"COUNT": 5, "SEED": 2, "SAMPLES": 300}, "--count 5 --seed 2 --samples 300"),
+        ("coverage-film", {"COUNT": 5, "SEED": 2}, "--count 5 --seed 2"),
         ("control-robustness", {"COUNT": 5, "SEED": 2}, "--count 5 --seed 2"),
         ("faults", {"COUNT": 5, "SEED": 2, "LONGEST": 3.5},
          "--count 5 --seed 2 --longest 3.5 --keep build/faults"),
@@ -74,7 +76,15 @@ def test_drifting_plants_alone_are_asked_for_with_one(said, asked):
 
 @pytest.mark.parametrize(
     "target",
-    ["coverage", "control-robustness", "calibration", "benchmark-naming", "faults", "soak"],
+    [
+        "coverage",
+        "coverage-film",
+        "control-robustness",
+        "calibration",
+        "benchmark-naming",
+        "faults",
+        "soak",
+    ],
 )
 def test_a_campaign_that_is_not_asked_to_keep_its_result_does_not(target):
     assert "--store" not in asked_by(f"make {target} COUNT=1")
@@ -166,6 +176,7 @@ def test_control_trials_are_kept_with_all_that_they_were_given(documents, tmp_pa
     [
         (coverage, ["--plant", "foo"]),
         (coverage, ["--count", "0"]),
+        (film, ["--count", "0"]),
         (coverage, ["--store", "--drifting"]),
         (control_robustness, ["--count", "0"]),
         (intervals, ["--count", "0"]),

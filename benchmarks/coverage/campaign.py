@@ -82,7 +82,7 @@ def run(settings: Settings) -> list[Counted]:
     found: dict[Cell, list[Judged]] = {cell: [] for cell in wanted}
     for (cell, _), judged in zip(jobs, done, strict=True):
         found[cell] += judged
-    return [_count(cell, judged) for cell, judged in found.items()]
+    return [counted(cell, judged) for cell, judged in found.items()]
 
 
 def _batch(arguments: tuple[Cell, range, int, int]) -> list[Judged]:
@@ -97,7 +97,7 @@ def _batch(arguments: tuple[Cell, range, int, int]) -> list[Judged]:
     return [judge(plant, cell.kind, u, y, refined) for u, y in zip(made.u, made.y, strict=True)]
 
 
-def _count(cell: Cell, judged: list[Judged]) -> Counted:
+def counted(cell: Cell, judged: list[Judged]) -> Counted:
     reasons = [one.withheld for one in judged if one.withheld]
     inside = {
         quantity: np.stack([one.inside[quantity] for one in judged])

@@ -72,7 +72,7 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
     withheld = model.withheld
     _, low, high = dea.parameter_interval(model)
     pairs = _pairs(kind)
-    inside = {"parameters": _inside(_true_parameters(plant, model), low, high)}
+    inside = {"parameters": contains(_true_parameters(plant, model), low, high)}
     for label, true, order, f in (
         ("H1", h1, 1, FREQUENCIES[kind]),
         ("H2", h2, 2, (pairs[:, 0], pairs[:, 1])),
@@ -85,14 +85,14 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
             inside |= {f"{label} gain": missing, f"{label} phase": missing}
             continue
         phase = np.degrees(np.angle(true))
-        inside[f"{label} gain"] = _inside(np.abs(true), band.gain_low, band.gain_high)
-        inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high)
+        inside[f"{label} gain"] = contains(np.abs(true), band.gain_low, band.gain_high)
+        inside[f"{label} phase"] = phase_contains(phase, band.phase_low, band.phase_high)
     rests, fresh, output = outputs(plant.name, kind)
     found = [_rest(model, held) for held in HELD]
-    inside["rest"] = _inside(rests, *np.array(found).T)
+    inside["rest"] = contains(rests, *np.array(found).T)
     _, *ends = dea.simulation_interval(model, fresh, output[: model.max_lag])
     judged = np.linspace(FROM, FRESH - 1, INSTANTS).astype(int)
-    inside["free run"] = _inside(output[judged], *(end[judged] for end in ends))
+    inside["free run"] = contains(output[judged], *(end[judged] for end in ends))
     return Judged(inside, withheld)
 
 
@@ -139,7 +139,7 @@ def judge_track(
     at = np.round(instants[chosen]).astype(int)
     expected = np.stack([columns.get(term, np.zeros(len(u)))[at] for term in followed.terms])
     low, high = (track[end].values[chosen].T for end in ("band_low", "band_high"))
-    inside = {"parameters": _inside(expected, low, high).ravel()}
+    inside = {"parameters": contains(expected, low, high).ravel()}
     covariance = track["covariance"].values[chosen]
     for label, order, f in asked:
         common: dict[str, Any] = {"operating_point": 0.0, "allow_missing": True}
@@ -149,8 +149,8 @@ def judge_track(
             parameters=track["parameter"].values[at], **common,
         )  # fmt: skip
         phase = np.degrees(np.angle(response))
-        inside[f"{label} gain"] = _inside(np.abs(response), band.gain_low, band.gain_high).ravel()
-        inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high).ravel()
+        inside[f"{label} gain"] = contains(np.abs(response), band.gain_low, band.gain_high).ravel()
+        inside[f"{label} phase"] = phase_contains(phase, band.phase_low, band.phase_high).ravel()
     at_rest: dict[str, Any] = {"allow_missing": True}
     rests = []
     for held in HELD:
@@ -159,12 +159,12 @@ def judge_track(
         found = dea.gfrf.zero_input_interval(
             followed, parameters=track["parameter"].values[at], covariance=covariance, **at_rest
         )
-        rests.append(_inside(known, found.low, found.high))
+        rests.append(contains(known, found.low, found.high))
     inside["rest"] = np.concatenate(rests)
     runs = dea.tracking.compare_free_runs(model, {tracker: track}, u, y, window=len(u))
     run = runs.sel(simulation=tracker)
     ends = (run[f"simulated_{end}"].values[at] for end in ("low", "high"))
-    inside["free run"] = _inside(clean[at], *ends)
+    inside["free run"] = contains(clean[at], *ends)
     return Judged(inside, str(track.attrs["withheld"]))
 
 
@@ -173,14 +173,14 @@ def _true_parameters(plant: Plant, model: NarxModel) -> Array:
     return np.array([known[term] for term in model.terms])
 
 
-def _inside(true: Array, low: Array, high: Array) -> Array:
+def contains(true: Array, low: Array, high: Array) -> Array:
     inside = ((low <= true) & (true <= high)).astype(float)
     inside[np.isnan(low) | np.isnan(high)] = np.nan
     return inside
 
 
-def _phase_inside(true: Array, low: Array, high: Array) -> Array:
+def phase_contains(true: Array, low: Array, high: Array) -> Array:
     """Compare modulo a turn."""
     middle = (low + high) / 2
     turned = middle + (true - middle + 180) % 360 - 180
-    return _inside(turned, low, high)
+    return contains(turned, low, high)

@@ -32,6 +32,8 @@ UNLISTED = {
         "calibration.csv",
         "coverage.csv",
         "coverage.md",
+        "coverage_film.csv",
+        "coverage_film.md",
         "mutants.json",
         "mutants.md",
         "figures/calibration.png",
