@@ -1156,6 +1156,18 @@ def test_step_fault_changes_gain_offset_and_scale_at_one_instant():
     assert np.allclose(effect.shape_output(Y, T, scaled, DT), np.where(after, 0.9 * Y + 0.05, Y))
 
 
+def test_a_part_of_a_step_may_be_taken_back_at_once_or_slowly():
+    effect = catalogue()["step_fault"]
+    step = {"instant": 11.0, "gain_step": -0.2, "offset_step": 0.05, "rise_time": 1e-6}
+    t = np.array([10.9, 11.1, 13.9, 14.0, 14.5, 16.0, 30.0])
+    sudden = values("step_fault", **step, held_for=3.0, return_time=1e-9, returned_part=0.75)
+    assert np.allclose(effect.scale_drive(t, sudden), [1.0, *2 * [0.8], 0.8, *3 * [0.95]])
+    slow = values("step_fault", **step, held_for=3.0, return_time=2.0, returned_part=1.0)
+    left = np.array([0.0, 1.0, 1.0, 1.0, np.exp(-0.25), np.exp(-1.0), np.exp(-8.0)])
+    assert np.allclose(effect.scale_drive(t, slow), 1.0 - 0.2 * left)
+    assert np.allclose(effect.shape_output(np.zeros(7), t, slow, DT), 0.05 * left)
+
+
 def test_sensor_nonlinearity_bends_and_folds():
     law = catalogue()["sensor_nonlinearity"].shape_output
     for place in (0.0, 0.7):

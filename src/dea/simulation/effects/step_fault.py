@@ -1,4 +1,6 @@
-"""From one instant on the device is driven, or read, otherwise."""
+"""From one instant on the device is driven, or read, otherwise, for good or for a time."""
+
+from itertools import combinations
 
 import numpy as np
 
@@ -11,15 +13,20 @@ from dea.simulation.scales import Scales
 _NARROWER = 0.25, 0.6
 # Instants at which these are tried, of those at which the residual changes most.
 _SHARPEST = 6
+# Those of which one may end what another began, and the part that is then taken back.
+_ENDING, _BACK = 4, 0.7
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    result: np.ndarray = np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
+    """Return how much of the change there is: none, then all, of which a part may be taken back."""
+    begun = np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
+    back = -np.expm1(-np.maximum(t - q[0] - 0.5 * q[3] - q[10], 0.0) / q[11])
+    result: np.ndarray = begun * (1.0 - q[12] * back)
     return result
 
 
 def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return the factor on the drive: one, then another value."""
+    """Return the factor on the drive: one, then another value, and perhaps back."""
     result: np.ndarray = np.maximum(1.0 + q[1] * _after(t, q), 1e-3)
     return result
 
@@ -54,8 +61,8 @@ def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain, offset and scale, and how long they take.
 
-    Then the range of the input from that instant on, the lag of the reading, and the range of the
-    record.
+    Then the range of the input from that instant on, the lag of the reading, the range of the
+    record, and how long it is held until a part is taken back, with a time constant.
     """
     dt, duration = scales.interval, scales.duration
     least, most = 0.5 * dt, 0.05 * duration
@@ -74,6 +81,11 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("lag", "s", 0.0, 20 * dt, 0.0, 0.2 * duration, shape=True),
         Parameter("range_low", unit, low, 0.0),
         Parameter("range_high", unit, high, 0.0),
+        Parameter("held_for", "s", 0.0, 0.3 * duration, 0.0, duration, shape=True),
+        Parameter(
+            "return_time", "s", 0.02 * duration, 1.5, least, 0.2 * duration, log=True, shape=True
+        ),
+        Parameter("returned_part", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
     )
 
 
@@ -81,7 +93,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return the instants at which the residual changes most, with steps up and down.
 
     They are of gain or offset alone: of both at once one may make up for what the other explains.
-    So are a range of the input that is narrower, at one end, and a lag of the reading.
+    So are a range of the input that is narrower, at one end, and a lag of the reading. A step may
+    be taken back in part, slowly at once or suddenly at another of these instants.
     """
     rise = 0.01 * scales.duration
     gain, shift = 0.01, 0.01 * scales.y_span
@@ -93,10 +106,21 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     others += [(high, low, time) for time in scales.lags[1:]]
     changes = [((step, whole), scales.jumps) for step in steps]
     changes += [(((0.0, 0.0), other), scales.jumps[:_SHARPEST]) for other in others]
-    return tuple(
-        (instant, *step, rise, 0.0, *other, low, high)
-        for (step, other), instants in changes
-        for instant in instants
+    slow, for_good = 0.05 * scales.duration, (0.0, 0.02 * scales.duration, 0.0)
+    first = sorted(scales.jumps[:_ENDING])
+    ends = [(start, (0.0, slow, _BACK)) for start in first]
+    ends += [(start, (end - start, rise, _BACK)) for start, end in combinations(first, 2)]
+    return (
+        *(
+            (instant, *step, rise, 0.0, *other, low, high, *for_good)
+            for (step, other), instants in changes
+            for instant in instants
+        ),
+        *(
+            (instant, *step, rise, 0.0, *whole, low, high, *back)
+            for step in ((gain, 0.0), (0.0, shift))
+            for instant, back in ends
+        ),
     )
 
 
