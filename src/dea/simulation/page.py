@@ -53,8 +53,8 @@ a positive parameter. The last column tells what a fit does with the parameter:
   has both signs, and that of falling to rising where it has one.
 
 The *defining* parameter of a law is the one that a verdict tells first. A law whose *essential*
-parameter is at its lower bound is no longer the effect; where it fits as well there, the effect is
-not named.
+parameter is at its lower or, where that is said, upper bound is no longer the effect; where it fits
+as well there, the effect is not named.
 
 The second table of each law is of the points from which it is fitted. A parameter that is not in it
 starts from its prior.
@@ -81,7 +81,8 @@ def _section(effect: Effect) -> Iterator[str]:
     if effect.defining:
         yield f"Defining: `{effect.defining}`.\n"
     if effect.essential:
-        yield f"Essential: `{effect.essential}`.\n"
+        at = ", at its upper bound" if effect.vanishes_at == "high" else ""
+        yield f"Essential: `{effect.essential}`{at}.\n"
     yield "| parameter | unit | prior | spread | low | high | fit |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
     for each in parameters:

@@ -33,7 +33,7 @@ def unfinish_degenerate(
     """Return the rounds with such candidates, of the leading ones, marked as unfinished.
 
     Each law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
-    its lower bound. A candidate that explains the record as well there, or less by no more than its
+    that bound. A candidate that explains the record as well there, or less by no more than its
     greater freedom is charged for, counts as unfinished, and so does one of an event that explains
     as much from the start of the record on. Those that lead once these have fallen are tested, too.
     """

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -74,7 +74,7 @@ class Effect:
     refine
         How many times finer than the simulation alone the law needs its steps.
     essential
-        The parameter at whose lower bound the law is no longer this effect.
+        The parameter at one of whose bounds, ``vanishes_at``, the law is no longer this effect.
     defining
         The parameter that a verdict states first: the size of the effect, its time or its position.
         Empty where several parameters define it together, as those of a curve, or each one does, as
@@ -99,6 +99,7 @@ class Effect:
     remembers_motion: bool = False
     refine: int = 1
     essential: str = ""
+    vanishes_at: Literal["low", "high"] = "low"
     defining: str = ""
 
     def at_limit(self) -> "Effect":
@@ -107,9 +108,13 @@ class Effect:
         That parameter may be one that no fit changes, as the law has it.
         """
 
+        def known(each: Parameter) -> Parameter:
+            bound = each.low if self.vanishes_at == "low" else each.high
+            return replace(each, nominal=bound, spread=0.0)
+
         def parameters(scales: Scales) -> tuple[Parameter, ...]:
             return tuple(
-                replace(each, nominal=each.low, spread=0.0) if each.name == self.essential else each
+                known(each) if each.name == self.essential else each
                 for each in self.parameters(scales)
             )
 

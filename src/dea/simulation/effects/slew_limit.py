@@ -78,5 +78,7 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    essential="rate",
+    vanishes_at="high",
     defining="rate",
 )
