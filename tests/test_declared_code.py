@@ -37,7 +37,14 @@ def job(tmp_path):
         (tmp_path / "src/dea/stages/probe.py").write_text(STAGE.format(load=load))
         stage = [
             f"src/dea/{name}.py"
-            for name in ("stages/probe", "stages/command", "atomic_file", "progress", "provenance")
+            for name in (
+                "stages/probe",
+                "stages/command",
+                "atomic_file",
+                "checksum",
+                "progress",
+                "provenance",
+            )
         ]
         # Whatever this process was told, the job writes bytecode, which the next one reads.
         environment = {"PYTHONPATH": str(tmp_path / "src"), "PYTHONDONTWRITEBYTECODE": ""}
@@ -100,7 +107,9 @@ def test_an_undeclared_data_file_fails_the_job_and_is_named(job, read):
     assert job(read, ["src/dea/limits.yaml"]).returncode == 0
 
 
-@pytest.mark.parametrize("code", [["src/dea/seeds.py"], None], ids=["declared", "no job"])
+@pytest.mark.parametrize(
+    "code", [["src/dea/seeds.py", "src/dea/given_numbers.py"], None], ids=["declared", "no job"]
+)
 def test_declared_code_runs_and_so_does_a_program_that_is_no_job(job, code):
     result = job(LAZY, code)
     assert result.stdout == "done\n", result.stderr
