@@ -160,7 +160,7 @@ coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known 
 	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
 		$(SAMPLES:%=--samples %) $(if $(filter-out 0,$(DRIFTING)),--drifting) $(KEEP)
 
-coverage-film: $(VENV)/installed ## how often they hold the responses of the virtual actuators (COUNT=17 of each, SEED=1)
+coverage-film: $(VENV)/installed ## how often the bands hold the responses of the virtual actuators (COUNT=17 of each, SEED=1)
 	python -m benchmarks.coverage.film --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(KEEP)
 
 peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)

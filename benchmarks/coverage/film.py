@@ -36,6 +36,7 @@ from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import model_error
 from dea.narx import NarxModel
 from dea.plant import SAMPLE_PERIOD, Rig, read_parameters
+from dea.seeds import generator
 from dea.stages.identification import selection_arguments
 from dea.tracking import with_constant
 
@@ -88,6 +89,10 @@ def truth(
     def both(tones: Array) -> tuple[Complex, Complex, Complex]:
         """Return the lines of the tones, and of what is odd and what is even in the answer."""
         (u_plus, plus), (u_minus, minus) = played(bias + tones), played(bias - tones)
+        if not np.allclose(u_plus + u_minus, 2.0 * bias, rtol=0.0, atol=1e-9):
+            raise ValueError(
+                f"{bias} V is no count of the converter: the tones are not rounded alike"
+            )
         return lines((u_plus - u_minus) / 2), lines((plus - minus) / 2), lines((plus + minus) / 2)
 
     def tone(line: int) -> Array:
@@ -106,8 +111,8 @@ def truth(
 def judge(actuator: str, number: int, seed: int) -> Judged:
     """Drive, identify and track a record of an actuator, and judge the bands of its responses."""
     chosen = study()
-    parameters, rig = read_parameters(BENCH, actuator), Rig.from_config(BENCH, actuator, seed)
-    drawn = int(np.random.default_rng([seed, number]).integers(2**31))
+    parameters = read_parameters(BENCH, actuator)
+    drawn = int(generator(seed, actuator, str(number)).integers(2**31))
     rig = Rig(parameters, drawn)
     volts = design(
         **chosen["excitation"]["record"] | {"duration": DURATION}, sampling_rate=RATE, seed=drawn
@@ -127,11 +132,13 @@ def judge(actuator: str, number: int, seed: int) -> Judged:
     part = slice(0, round(identification["length"] * RATE))
     model = dea.select_terms(u[part], y[part], **selection_arguments(identification))
     # Held there, the film creeps on as under the excitation: its mean pressure stays as it was.
-    bias = float(np.sqrt(np.mean(volts**2)))
-    bands, withheld = tracked_bands(model, u, y, at - first, bias, chosen)
+    # Of a voltage on a count of the converter, tones and their negatives are rounded alike.
+    pressure = np.array([np.sqrt(np.mean(volts**2))])
+    [bias] = output.to_values(output.to_counts(pressure))
+    bands, withheld = tracked_bands(model, u, y, at - first, float(bias), chosen)
     judged: dict[str, list[Array]] = {}
     for state, both in zip(states[:-1], bands, strict=True):
-        true = truth(state, output.to_counts, output.to_values, bias)
+        true = truth(state, output.to_counts, output.to_values, float(bias))
         for label, response, band in zip(("H1", "H2"), true, both, strict=True):
             gain, phase = np.abs(response), np.degrees(np.angle(response))
             judged.setdefault(f"{label} gain", []).append(
