@@ -25,6 +25,9 @@ _ALIKE = 1.0 + 2.0 / 6.0**2
 _CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency and around it
 # Deviation of the logarithm of the frequency over which neighbours count, and the correlation of
 # the power of lines that are one and two apart, with Hann's window.
+_LEAST_FREE = (
+    3.0  # complex values, below which the noise is too uncertain to be averaged over lines
+)
 _AROUND, _SHARED = 0.5, (4.0 / 9.0, 1.0 / 36.0)
 _RESOLVED = 2.0  # periods in a segment
 
@@ -117,10 +120,10 @@ def _deviations(
 ) -> tuple[Array, Array]:
     """Return the standard deviations of gain and phase (inputs, lines) of a relative error.
 
-    It counts at a line where it is beyond chance there, and around a line where it is on average:
-    an error that the noise hides at one line is about as large as at its neighbours. The larger
-    counts. ``variance`` (inputs, lines) is that of the relative error by noise, estimated with so
-    many ``free`` complex values.
+    It counts at a line where it is beyond chance there, and its mean around a line where that is:
+    an error that the noise hides at one line is about as large as at its neighbours. The larger of
+    the two counts, of gain and phase each. ``variance`` (inputs, lines) is that of the relative
+    error by noise, estimated with so many ``free`` complex values.
     """
     from scipy.stats import gamma
 
@@ -132,9 +135,12 @@ def _deviations(
     # The power of noise over its estimated mean is an F variable of 2 and 2 free degrees: of mean
     # free/(free - 1), and over that of variance free/(free - 2). A mean of lines is nearly a gamma
     # variable of its variance.
-    mean = (1.0 - 1.0 / free) * (power / variance) @ weights.T
-    shape = (1.0 - 2.0 / free) / _spread(weights)
-    around = mean > gamma.ppf(1.0 - _CHANCE, shape) / shape
+    around = np.zeros(power.shape, bool)
+    if free > _LEAST_FREE:
+        ratio = np.divide(power, variance, out=np.zeros_like(power), where=variance > 0.0)
+        shape = (1.0 - 2.0 / free) / _spread(weights)
+        limit = gamma.ppf(1.0 - _CHANCE, shape) / shape
+        around = (1.0 - 1.0 / free) * ratio @ weights.T > limit
     gain, phase = (
         np.sqrt(np.maximum(np.maximum(each, 0.0) * here, (each @ weights.T) * around))
         for each in excess
