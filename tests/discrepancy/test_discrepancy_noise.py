@@ -13,8 +13,8 @@ from dea.discrepancy.evidence.colour import (
     is_coloured_noise,
     is_like_gaussian,
     is_white,
+    part_repeated,
     predictable,
-    repeats,
 )
 from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
 from dea.discrepancy.problem import Problem
@@ -287,7 +287,7 @@ def repeated(seed, period, residual):
 
 @pytest.mark.parametrize("period", [97, 500, 1000])
 @pytest.mark.parametrize("share", [0.3, 0.9])
-def test_whatrepeats_with_the_command_is_predicted_whatever_its_law(share, period):
+def test_what_repeats_with_the_command_is_predicted_whatever_its_law(share, period):
     """A waveform that no past of the command tells, and white noise; of k periods k - 1 tell it."""
     rng = np.random.default_rng(15)
     wave = np.resize(rng.standard_normal(period), N)
@@ -300,11 +300,11 @@ def test_whatrepeats_with_the_command_is_predicted_whatever_its_law(share, perio
 
 @pytest.mark.parametrize("memory", [2, 50, 1000])
 @pytest.mark.parametrize("period", [97, 500, 1000])
-def test_noise_beside_a_command_thatrepeats_is_not_predicted(memory, period):
+def test_noise_beside_a_command_that_repeats_is_not_predicted(memory, period):
     found = []
     for seed in range(12):
         residual = slow(np.random.default_rng(seed), memory)
-        found.append(repeats(repeated(17, period, residual), residual))
+        found.append(part_repeated(repeated(17, period, residual), residual))
     assert np.mean(np.array(found) > MOST) < 0.1
 
 

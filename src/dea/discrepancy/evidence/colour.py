@@ -13,7 +13,7 @@ from dea.discrepancy.evidence.period import exact_period
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import Fit, beyond_priors
+from dea.discrepancy.fit import Fit, at_prior_bounds
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
@@ -94,7 +94,7 @@ def coloured_level(evidence: Evidence, pool: Sequence[Candidate]) -> float:
     if best is None or best.rmse <= rules.clean * white:
         return 0.0
     removed = rules.removes_energy(best.rmse, evidence.nominal_error)
-    if not removed or beyond_priors(best.fit):
+    if not removed or at_prior_bounds(best.fit):
         return 0.0
     most = rules.may_follow(len(best.names))
     noise = leaves_coloured_noise(evidence.problem, best.fit, evidence.blocks, most)
@@ -127,10 +127,10 @@ def is_white(problem: Problem, residual: np.ndarray) -> bool:
 def predictable(problem: Problem, residual: np.ndarray) -> float:
     """Return the part of a residual that input and motion predict on samples not fitted to.
 
-    Where the input repeats, what a residual repeats follows from it too, whatever the law.
+    Where the input repeats, so is what the residual repeats with it, whatever the law.
     """
     flexible = 1.0 - residual_model(problem, residual).ratio
-    return max(flexible, _follows_input(problem, residual), repeats(problem, residual))
+    return max(flexible, _follows_input(problem, residual), part_repeated(problem, residual))
 
 
 def is_like_gaussian(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
@@ -202,7 +202,7 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
     return part_predicted(problem, residual, X, (_RIDGE,))
 
 
-def repeats(problem: Problem, residual: np.ndarray) -> float:
+def part_repeated(problem: Problem, residual: np.ndarray) -> float:
     """Return the part of a residual that its other periods predict, where an input repeats.
 
     What is slower than a period is left out: of two periods that follow one another it is alike.
