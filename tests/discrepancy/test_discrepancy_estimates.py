@@ -65,11 +65,11 @@ def test_of_parameters_that_may_be_as_expected_one_is_quoted():
 def test_of_an_event_the_instant_is_quoted():
     fit, _ = law_of(
         catalogue()["step_fault"].parameters(REFERENCE),
-        np.array([0.1, 4.0, 0, 0, 0.1, 0, 0, 0, 0, 0]),
+        np.array([0.1, 4.0, 0, 0, 0.1, 0, 0, 0, 0, 0, 0, 0, 0]),
     )
     attached = Attached(catalogue()["step_fault"], REFERENCE)
     fit.extended.attached[0] = attached
-    assert quoted(attached, estimates(fit, 0, np.ones(10))) == ("instant", "gain_step")
+    assert quoted(attached, estimates(fit, 0, np.ones(13))) == ("instant", "gain_step")
 
 
 def test_what_a_port_normalises_is_in_the_unit_that_the_simulation_gives_it():

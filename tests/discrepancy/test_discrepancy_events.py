@@ -13,6 +13,7 @@ from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE, STEP, SIZE = 0.02, 0.002, 0.4, 3000
 INPUT = np.repeat(np.random.default_rng(1).uniform(-2, 2, SIZE // 25), 25)
+ENDS = INPUT.min(), INPUT.max()
 PARTS = split(INPUT, INTERVAL, 0.1)
 
 
@@ -28,7 +29,7 @@ def stepped(place, started):
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(started,))
     law = extended.attach(catalogue()["step_fault"], scales)
     start = law.attached[0].started(
-        (started, 0.0, STEP, 4 * INTERVAL, 0.0, INPUT.max(), INPUT.min(), 0.0)
+        (started, 0.0, STEP, 4 * INTERVAL, 0.0, *ENDS[::-1], 0.0, *ENDS, 6.0, 1.2, 0.0)
     )
     values = law.coordinates(np.concatenate([nominal.values, start]))
     return problem, fit(problem, law, values, iterations=40)

@@ -33,8 +33,9 @@ def found():
     # The residual of the simulation alone may put the step a second late.
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(instant + 1.0,))
     law = extended.attach(catalogue()["step_fault"], scales)
+    ends = u.min(), u.max()
     start = law.attached[0].started(
-        (instant + 0.1, 0.0, STEP, 4 * INTERVAL, 0.0, u.max(), u.min(), 0.0)
+        (instant + 0.1, 0.0, STEP, 4 * INTERVAL, 0.0, *ends[::-1], 0.0, *ends, 6.0, 1.2, 0.0)
     )
     place = law.coordinates(np.concatenate([nominal.values, start]))
     return problem, fit(problem, law, place, iterations=40), instant

@@ -264,7 +264,7 @@ def test_a_limit_from_the_start_does_not_bear_the_name_of_an_event(since):
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(19.0,))
     law = extended.attach(catalogue()["step_fault"], scales)
     low, high = problem.u.min(), problem.u.max()
-    start = (since + 0.7, 0.0, 0.0, 0.1, 0.0, 1.3, low, 0.0, low, high)
+    start = (since + 0.7, 0.0, 0.0, 0.1, 0.0, 1.3, low, 0.0, low, high, 6.0, 1.2, 0.0)
     found = fit(problem, law, law.coordinates(np.concatenate([nominal.values, start])))
     assert problem.seen_rmse(found.residual) < 2.0 * NOISE
     candidate = judged(problem, found)

@@ -153,7 +153,9 @@ def _is_from_the_start(
     # Most events have a date, and are far off without it.
     if not moved <= rules.near * candidate.rmse:
         return False
-    again = fit(problem, extended, soonest, iterations=_STEPS, columns=Columns(held=instants))
+    # How long it took, or was held, stays: else it could end where the event began.
+    held = Columns(held=extended.events)
+    again = fit(problem, extended, soonest, iterations=_STEPS, columns=held)
     return _explains_as_much(judged(problem, again), candidate, rules, noise_floor)
 
 

@@ -18,9 +18,9 @@ _ENDING, _BACK = 4, 0.7
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return how much of the change there is: none, then all, of which a part may be taken back."""
+    """Return how much of every change there is: none, then all, then perhaps a part of it."""
     begun = np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
-    back = -np.expm1(-np.maximum(t - q[0] - 0.5 * q[3] - q[10], 0.0) / q[11])
+    back = -np.expm1(-np.maximum(t - q[0] - q[10], 0.0) / q[11])
     result: np.ndarray = begun * (1.0 - q[12] * back)
     return result
 
@@ -32,7 +32,7 @@ def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Keep the input within a range from the same instant, as an actuator that jams does.
+    """Keep the input within a range after the same instant, as an actuator that jams does.
 
     Its ends are those of the input as recorded, which laws and offsets before may have moved.
     """
@@ -43,7 +43,7 @@ def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Shift, scale and smooth the output from the same instant.
+    """Shift, scale and smooth the output after the same instant.
 
     A lag of first order begins at the value that the output then has.
     """
@@ -58,6 +58,11 @@ def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.
     return result
 
 
+def _kept(scales: Scales) -> tuple[float, float, float]:
+    """Return how long a change is held, how slowly it is taken back, and of it none."""
+    return 0.1 * scales.duration, 0.02 * scales.duration, 0.0
+
+
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain, offset and scale, and how long they take.
 
@@ -70,6 +75,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     # The instant may lie in a block that is left out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
     instant = likeliest, 0.02 * duration, 0.0, duration
+    held, back = _kept(scales)[:2]
     return (
         Parameter("instant", "s", *instant, shape=True, event=True),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
@@ -81,9 +87,9 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("lag", "s", 0.0, 20 * dt, 0.0, 0.2 * duration, shape=True),
         Parameter("range_low", unit, low, 0.0),
         Parameter("range_high", unit, high, 0.0),
-        Parameter("held_for", "s", 0.0, 0.3 * duration, 0.0, duration, shape=True),
+        Parameter("held_for", "s", held, 1.5, least, duration, log=True, shape=True, event=True),
         Parameter(
-            "return_time", "s", 0.02 * duration, 1.5, least, 0.2 * duration, log=True, shape=True
+            "return_time", "s", back, 1.5, least, 0.2 * duration, log=True, shape=True, event=True
         ),
         Parameter("returned_part", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
     )
@@ -93,8 +99,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return the instants at which the residual changes most, with steps up and down.
 
     They are of gain or offset alone: of both at once one may make up for what the other explains.
-    So are a range of the input that is narrower, at one end, and a lag of the reading. A step may
-    be taken back in part, slowly at once or suddenly at another of these instants.
+    So are a range of the input that is narrower, at one end, and a lag of the reading. A step up
+    may be taken back in part: gradually from its beginning on, or suddenly at another instant.
     """
     rise = 0.01 * scales.duration
     gain, shift = 0.01, 0.01 * scales.y_span
@@ -106,13 +112,13 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     others += [(high, low, time) for time in scales.lags[1:]]
     changes = [((step, whole), scales.jumps) for step in steps]
     changes += [(((0.0, 0.0), other), scales.jumps[:_SHARPEST]) for other in others]
-    slow, for_good = 0.05 * scales.duration, (0.0, 0.02 * scales.duration, 0.0)
+    slow, at_once = 0.05 * scales.duration, 0.5 * scales.interval
     first = sorted(scales.jumps[:_ENDING])
-    ends = [(start, (0.0, slow, _BACK)) for start in first]
+    ends = [(start, (at_once, slow, _BACK)) for start in first]
     ends += [(start, (end - start, rise, _BACK)) for start, end in combinations(first, 2)]
     return (
         *(
-            (instant, *step, rise, 0.0, *other, low, high, *for_good)
+            (instant, *step, rise, 0.0, *other, low, high, *_kept(scales))
             for (step, other), instants in changes
             for instant in instants
         ),
