@@ -164,7 +164,7 @@ def diagnose(
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
-    decided = with_priors_checked(decided, evidence, workers)
+    decided = with_priors_checked(decided, evidence, others, workers)
     tell("the answer on samples not used so far")
     decision, final, certificate = _certified(evidence, decided, others, workers)
 

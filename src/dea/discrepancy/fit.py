@@ -112,7 +112,7 @@ def at_bounds(extended: ExtendedSimulation, coordinates: np.ndarray) -> np.ndarr
     return there
 
 
-def beyond_priors(fitted: Fit) -> list[str]:
+def at_prior_bounds(fitted: Fit) -> list[str]:
     """Return the simulation's own parameters that are at a bound of their priors."""
     extended = fitted.extended
     own = len(extended.simulation.parameters)

@@ -18,7 +18,7 @@ from dea.discrepancy.evidence.colour import (
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, families_of
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.fit import beyond_priors
+from dea.discrepancy.fit import at_prior_bounds
 from dea.discrepancy.search.candidates import Candidate
 
 
@@ -51,7 +51,7 @@ def decide(
         unaffected = share_of(evidence, chosen.fit).low <= rules.margin
         if (
             unaffected
-            and not beyond_priors(alone)
+            and not at_prior_bounds(alone)
             and leaves_coloured_noise(evidence.problem, alone, evidence.blocks, rules.may_follow())
         ):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
@@ -204,7 +204,7 @@ def _nothing_proven(evidence: Evidence) -> Decision:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.stated_floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-    coloured = not beyond_priors(alone) and is_coloured_noise(
+    coloured = not at_prior_bounds(alone) and is_coloured_noise(
         problem, alone.residual, evidence.blocks, rules.may_follow()
     )
     white = unpredictable and is_white(problem, alone.residual)

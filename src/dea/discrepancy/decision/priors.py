@@ -1,37 +1,68 @@
-"""A device that the simulation's own priors exclude, of which nothing else need be missing."""
+"""A device that the simulation's own priors exclude, so that no effect is needed to explain it."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from dea.discrepancy.decision.decision import Decision, Reason, Status
-from dea.discrepancy.evidence.certificate import certify
+from dea.discrepancy.evidence.certificate import certify, certify_elsewhere, contradicting
+from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit, at_bounds, beyond_priors, fit
+from dea.discrepancy.fit import Fit, at_bounds, at_prior_bounds, fit
 from dea.discrepancy.parallel import in_parallel
+from dea.discrepancy.problem import Samples
 
 # Factor on the declared spreads here, and the steps of such a fit. The values were chosen.
 _WIDER, _ITERATIONS = 4.0, 40
 
 
-def with_priors_checked(decision: Decision, evidence: Evidence, workers: int) -> Decision:
+def with_priors_checked(
+    decision: Decision, evidence: Evidence, others: Mapping[str, Samples], workers: int
+) -> Decision:
     """Return ``unknown`` where the simulation alone explains the record beyond its priors.
 
     Only parameters that are at their bounds without an effect call for that. An effect may then
     stand for them, and the record does not tell which of the two is wrong. Where the answer leaves
     more than noise, the simulation alone must leave hardly more than it.
     """
-    if decision.status is Status.NONE or not beyond_priors(evidence.nominal):
+    if decision.status is Status.NONE or not at_prior_bounds(evidence.nominal):
         return decision
     freed = _fit_freed(evidence, workers)
-    rules, floor = evidence.rules, evidence.stated_floor
-    best = 0.0 if decision.answer is None else decision.answer.rmse
-    left = evidence.problem.seen_rmse(freed.residual)
-    certified = certify(evidence.problem, evidence.nominal, freed).after
-    explained = left <= rules.clean * floor or rules.nearly(left, best)
-    if not explained or certified > rules.poor * max(floor, best):
+    if not _outside(evidence, freed) or not _explains(decision, evidence, others, freed):
         return decision
     return Decision(Status.UNKNOWN, None, reason=Reason.PRIORS, freed=freed)
+
+
+def _explains(
+    decision: Decision, evidence: Evidence, others: Mapping[str, Samples], freed: Fit
+) -> bool:
+    """Return whether a fit explains the record as well as the answer, and other samples too.
+
+    Without an answer, coloured noise may be left. The certified samples and the test records must
+    not contradict it.
+    """
+    problem, rules, floor = evidence.problem, evidence.rules, evidence.stated_floor
+    left = problem.seen_rmse(freed.residual)
+    level = floor if decision.answer is None else max(floor, decision.answer.rmse)
+    if decision.answer is None and leaves_coloured_noise(
+        problem, freed, evidence.blocks, rules.may_follow()
+    ):
+        level = max(floor, left)
+    if left > rules.clean * floor and not rules.nearly(left, level):
+        return False
+    certified = certify(problem, evidence.nominal, freed).after
+    tested = certify_elsewhere(others, evidence.nominal, freed)
+    return certified <= rules.poor * level and not contradicting(tested, rules.clean * level)
+
+
+def _outside(evidence: Evidence, freed: Fit) -> bool:
+    """Return whether any parameter of the simulation is where its declared prior has none."""
+    declared = evidence.nominal.extended
+    low, high = declared.bounds
+    asked = declared.coordinates(freed.values)
+    own = declared.free < len(declared.simulation.parameters)
+    return bool((((asked < low) | (asked > high)) & own).any())
 
 
 def _fit_freed(evidence: Evidence, workers: int) -> Fit:

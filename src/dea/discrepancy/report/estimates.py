@@ -92,6 +92,7 @@ def estimates_beyond_priors(
     low, high = declared.bounds
     asked = declared.coordinates(freed.values)
     found = {}
+    bound = at_bounds(freed.extended, freed.coordinates)
     for position, i in enumerate(declared.free):
         own = i < len(declared.simulation.parameters)
         if not own or low[position] <= asked[position] <= high[position]:
@@ -105,6 +106,7 @@ def estimates_beyond_priors(
             min(ends),
             max(ends),
             prior,
+            at_bound=bool(bound[position]),
             moved=abs(at) / error,
         )
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
 from dea.discrepancy.evidence.split import LONG_ENOUGH, rounded_down
-from dea.discrepancy.fit import CLOSE, at_bounds, beyond_priors
+from dea.discrepancy.fit import CLOSE, at_bounds, at_prior_bounds
 from dea.discrepancy.report.sentence import label_in_words, labels_in_words
 from dea.simulation import TIMING_OFFSET, Family
 
@@ -36,8 +36,8 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
 
     Priors that the record contradicts come last: they may be all that is wrong.
     """
-    # What a force would cause is no error to live with.
-    rest = _force(found) or _noise(found)
+    # What a force would cause is no error to live with, and neither is what priors exclude.
+    rest = "" if found.decision.freed is not None else _force(found) or _noise(found)
     about_record = _rare(found), _outliers(found), _close(found)
     about_laws = _excluded(found), _laws(found)
     texts = _timing(found), _dated(found), *about_laws, rest, *about_record, _bounds(found)
@@ -174,10 +174,10 @@ def _bounds(found: "Diagnosis") -> str:
     """
     if found.decision.freed is not None:
         return ""
-    away = _at_their_bounds(beyond_priors(found.extended))
+    away = _at_their_bounds(at_prior_bounds(found.extended))
     if away:
         return f"{away}: the declared priors exclude what the record asks for."
-    alone = _at_their_bounds(beyond_priors(found.nominal))
+    alone = _at_their_bounds(at_prior_bounds(found.nominal))
     if not alone or found.decision.answer is None:
         return ""
     effects = "the effect" if len(found.decision.answer.names) == 1 else "the effects"

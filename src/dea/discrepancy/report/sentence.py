@@ -144,17 +144,19 @@ def _excluding_priors(found: "Diagnosis", freed: "Fit") -> str:
     """Say at which values, beyond their priors, the simulation's parameters need no effect."""
     unit = found.units[1]
     told = [
-        f"{name.replace('_', ' ')} {estimate(each.value, each.low, each.high, each.unit)} "
+        f"{name.replace('_', ' ')} "
+        f"{estimate(each.value, each.low, each.high, each.unit, at_bound=each.at_bound)} "
         f"(declared {quantity(each.prior, each.unit)})"
         for name, each in found.beyond_priors.items()
     ]
     left = rmse(freed.residual, found.problem.certify)
-    remedy = "its nominal value or its spread" if len(told) == 1 else "these nominal values"
+    names = " and ".join(name.replace("_", " ") for name in found.beyond_priors)
     return (
         "Nothing is named, because the declared priors exclude this device: "
         f"with {' and '.join(told)} the simulation alone has an error of {left:.3g} {unit} on the "
         f"certified samples, within its priors one of {found.certificate.block.before:.3g} {unit}, "
-        f"noise floor {found.noise_floor:.3g} {unit}. Correct {remedy}, and diagnose again."
+        f"noise floor {found.noise_floor:.3g} {unit}. Correct the nominal value or the spread of "
+        f"{names}, and diagnose again."
     )
 
 
