@@ -46,7 +46,7 @@ def responses(name: str, kind: str) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def outputs(name: str, kind: str) -> tuple[Array, Array, Array]:
-    """Return a plant's true rests at the inputs held, and its output on a fresh input, with it."""
+    """Return a plant's true rests at HELD, a fresh input (FRESH,), and its output on that."""
     plant = plants()[name]
     rests = simulate(plant, np.repeat(HELD[:, None], truth.SETTLING, axis=1))[:, -1]
     u = excitation(kind, SETTLING + FRESH, np.random.default_rng(0))
@@ -88,21 +88,19 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
         inside[f"{label} gain"] = contains(np.abs(true), band.gain_low, band.gain_high)
         inside[f"{label} phase"] = phase_contains(phase, band.phase_low, band.phase_high)
     rests, fresh, output = outputs(plant.name, kind)
-    found = [_rest(model, held) for held in HELD]
-    inside["rest"] = contains(rests, *np.array(found).T)
+    inside["rest"] = np.full(HELD.size, np.nan)
+    try:
+        found = [dea.gfrf.zero_input_interval(model, operating_point=held) for held in HELD]
+        ends_at_rest = (np.array([float(each[end]) for each in found]) for end in (1, 2))
+        inside["rest"] = contains(rests, *ends_at_rest)
+    except InputError as error:  # the estimate has no rest
+        withheld = withheld or str(error)
     _, *ends = dea.simulation_interval(model, fresh, output[: model.max_lag])
     judged = np.linspace(FROM, FRESH - 1, INSTANTS).astype(int)
-    inside["free run"] = contains(output[judged], *(end[judged] for end in ends))
+    held_by = contains(output[judged], *(end[judged] for end in ends))
+    # A run that diverges has no interval, and is none that is withheld.
+    inside["free run"] = held_by if withheld else np.nan_to_num(held_by)
     return Judged(inside, withheld)
-
-
-def _rest(model: NarxModel, held: float) -> tuple[float, float]:
-    """Return the ends of the interval of the rest, missing where the estimate has none."""
-    try:
-        found = dea.gfrf.zero_input_interval(model, operating_point=held)
-    except InputError:
-        return np.nan, np.nan
-    return float(found.low), float(found.high)
 
 
 def judge_track(
