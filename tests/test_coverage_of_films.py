@@ -26,7 +26,7 @@ def test_probed_responses_do_not_depend_on_the_steps_of_the_converter(actuator):
         nearest = on_a_count(output, bias)
         rig = Rig(replace(parameters, output_converter=output), 1)
         rig.respond(output.to_counts(np.full(round(60 * RATE), nearest)))
-        found.append(truth(rig, output.to_counts, output.to_values, nearest))
+        found.append(truth(rig, output, nearest))
     for coarse, fine in zip(*found, strict=True):
         np.testing.assert_allclose(coarse, fine, rtol=4e-3)
 
@@ -39,7 +39,7 @@ def test_probed_responses_of_a_film_at_rest_are_those_of_its_equations(actuator)
     bias = on_a_count(output, 2.4)
     rig = Rig(parameters, 1)
     rig.respond(output.to_counts(np.full(round(300 * RATE), bias)))
-    found = truth(rig, output.to_counts, output.to_values, bias).first
+    found = truth(rig, output, bias).first
     state = rest(parameters.film, parameters.rest)
     assert hold(parameters.film, state, gain * bias, 300.0)
     f = LINES / PERIOD

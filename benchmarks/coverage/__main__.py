@@ -14,15 +14,10 @@ from benchmarks import command_line
 from benchmarks.command_line import add_store, positive, seed_number
 from benchmarks.coverage.campaign import Settings, run
 from benchmarks.coverage.plants import plants
-from benchmarks.coverage.report import as_csv, as_markdown, rows
+from benchmarks.coverage.report import rows, written
 from benchmarks.stored import command, store
 
 ROOT = Path(__file__).parents[2]
-LEGEND = """\
-Share of 95 % intervals that contain the truth, with its own 95 % interval, over all plants.
-Targets: 92 to 98 % for responses, 90 to 98 % for parameters. `!` marks a share whose interval lies
-outside of the target, `?` one whose interval is neither in nor outside: the records do not decide.
-"""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -46,11 +41,7 @@ def main(arguments: list[str] | None = None) -> None:
     elif given.drifting:
         settings = replace(settings, plants=())
     table = rows(run(settings))
-    given.output.parent.mkdir(parents=True, exist_ok=True)
-    given.output.with_suffix(".csv").write_text(as_csv(table))
-    lines = as_markdown(table)
-    text = "\n".join([LEGEND, *lines, ""])
-    given.output.with_suffix(".md").write_text(text)
+    lines, text = written(table, given.output)
     if given.store:
         asked = {"COUNT": given.count, "SEED": given.seed, "SAMPLES": given.samples}
         values = {name.lower(): value for name, value in asked.items()}

@@ -1,10 +1,11 @@
 """All cells of a campaign, each some records of one plant with one input and one noise."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from benchmarks.coverage.judged import TRACKERS, Judged, judge, judge_track
 from benchmarks.coverage.plants import plants
 from benchmarks.coverage.records import INPUTS, NOISES, generators, records
 
+_Job = TypeVar("_Job")
+_Done = TypeVar("_Done")
 ESTIMATES = ("refined", "least squares")
 DRIFTS = ("random walk", "ramp")
 BATCH = 10  # records of one job
@@ -72,17 +75,24 @@ def run(settings: Settings) -> list[Counted]:
         for first in range(0, settings.count, BATCH)
     ]
     arguments = [(cell, numbers, settings.samples, settings.seed) for cell, numbers in jobs]
-    with ExitStack() as stack:
-        progress = stack.enter_context(progress_bars())
-        batches: Iterator[list[Judged]] = map(_batch, arguments)
-        if settings.cores > 1:
-            pool = stack.enter_context(ProcessPoolExecutor(settings.cores))
-            batches = pool.map(_batch, arguments)
-        done = list(progress.track(batches, total=len(jobs), description="batches of records"))
+    done = each_done(_batch, arguments, settings.cores, "batches of records")
     found: dict[Cell, list[Judged]] = {cell: [] for cell in wanted}
     for (cell, _), judged in zip(jobs, done, strict=True):
         found[cell] += judged
     return [counted(cell, judged) for cell, judged in found.items()]
+
+
+def each_done(
+    function: Callable[[_Job], _Done], jobs: Sequence[_Job], cores: int, description: str
+) -> list[_Done]:
+    """Return what a function makes of each job, in their order, on several processes at a time."""
+    with ExitStack() as stack:
+        progress = stack.enter_context(progress_bars())
+        done: Iterator[_Done] = map(function, jobs)
+        if cores > 1:
+            pool = stack.enter_context(ProcessPoolExecutor(cores))
+            done = pool.map(function, jobs)
+        return list(progress.track(done, total=len(jobs), description=description))
 
 
 def _batch(arguments: tuple[Cell, range, int, int]) -> list[Judged]:

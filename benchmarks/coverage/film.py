@@ -12,9 +12,6 @@ import argparse
 import copy
 import itertools
 import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,11 +20,10 @@ import yaml
 
 import dea
 from benchmarks import command_line
-from benchmarks.bars import progress_bars
 from benchmarks.command_line import add_store, positive, seed_number
-from benchmarks.coverage.campaign import Cell, counted
+from benchmarks.coverage.campaign import Cell, counted, each_done
 from benchmarks.coverage.judged import Judged, contains, phase_contains
-from benchmarks.coverage.report import as_csv, as_markdown, rows
+from benchmarks.coverage.report import rows, written
 from benchmarks.stored import command, store
 from dea.arrays import Array, Complex
 from dea.excitation import design
@@ -36,6 +32,7 @@ from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import model_error
 from dea.narx import NarxModel
 from dea.plant import SAMPLE_PERIOD, Rig, read_parameters
+from dea.plant.converter import Converter
 from dea.seeds import generator
 from dea.stages.identification import selection_arguments
 from dea.tracking import with_constant
@@ -66,10 +63,10 @@ def study() -> dict[str, Any]:
     return found
 
 
-def truth(
-    rig: Rig, to_counts: Callable[[Array], Any], to_volts: Callable[[Any], Array], bias: float
-) -> Truth:
+def truth(rig: Rig, converter: Converter, bias: float) -> Truth:
     """Return the responses of a rig in the state that it has, about a constant voltage (V).
+
+    The ``converter`` is that of its output.
 
     At a constant voltage the film creeps away from that state: what the last two periods show,
     whose middles are 1.5 and 2.5 periods later, is extended back to it in a straight line.
@@ -78,8 +75,8 @@ def truth(
     time = np.arange(PERIODS * period) / RATE
 
     def played(volts: Array) -> tuple[Array, Array]:
-        counts = to_counts(volts)
-        return to_volts(counts), 1e3 * copy.deepcopy(rig).respond(counts)
+        counts = converter.to_counts(volts)
+        return converter.to_values(counts), 1e3 * copy.deepcopy(rig).respond(counts)
 
     def lines(signal: Array) -> Complex:
         each = np.fft.rfft(signal.reshape(PERIODS, period))[1:, : 2 * LINES[-1] + 1] * 2.0 / period
@@ -138,7 +135,7 @@ def judge(actuator: str, number: int, seed: int) -> Judged:
     bands, withheld = tracked_bands(model, u, y, at - first, float(bias), chosen)
     judged: dict[str, list[Array]] = {}
     for state, both in zip(states[:-1], bands, strict=True):
-        true = truth(state, output.to_counts, output.to_values, float(bias))
+        true = truth(state, output, float(bias))
         for label, response, band in zip(("H1", "H2"), true, both, strict=True):
             gain, phase = np.abs(response), np.degrees(np.angle(response))
             judged.setdefault(f"{label} gain", []).append(
@@ -185,7 +182,7 @@ def tracked_bands(
     return found, str(track.attrs["withheld"])
 
 
-def _batch(arguments: tuple[str, int, int]) -> Judged:
+def _judge(arguments: tuple[str, int, int]) -> Judged:
     return judge(*arguments)
 
 
@@ -200,13 +197,7 @@ def main(arguments: list[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     actuators = [each["bench"] for each in study()["actuators"]]
     jobs = [(name, k, given.seed) for name in actuators for k in range(given.count)]
-    with ExitStack() as stack:
-        progress = stack.enter_context(progress_bars())
-        found: Iterator[Judged] = map(_batch, jobs)
-        if given.cores > 1:
-            pool = stack.enter_context(ProcessPoolExecutor(given.cores))
-            found = pool.map(_batch, jobs)
-        done = list(progress.track(found, total=len(jobs), description="records of actuators"))
+    done = each_done(_judge, jobs, given.cores, "records of actuators")
     kind = f"{study()['excitation']['record']['band']:g} Hz"
     cells = {
         name: Cell(name, kind, "of the sensor", study()["gfrf"]["tracker"], "film")
@@ -220,15 +211,12 @@ def main(arguments: list[str] | None = None) -> None:
             for name in actuators
         ]
     )
-    given.output.parent.mkdir(parents=True, exist_ok=True)
-    given.output.with_suffix(".csv").write_text(as_csv(table))
-    lines = as_markdown(table)
-    given.output.with_suffix(".md").write_text("\n".join([*lines, ""]))
+    lines, text = written(table, given.output)
     if given.store:
         asked = {"COUNT": given.count, "SEED": given.seed}
         values = {name.lower(): value for name, value in asked.items()}
         store("coverage_film", command("coverage-film", **asked), {**values, "table": lines})
-    print("\n".join(lines))
+    print(text)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +11,11 @@ from benchmarks.coverage.campaign import Counted
 from benchmarks.coverage.judged import QUANTITIES
 from benchmarks.coverage.statistics import Coverage, coverage
 
+LEGEND = """\
+Share of 95 % intervals that contain the truth, with its own 95 % interval, over all plants.
+Targets: 92 to 98 % for responses, 90 to 98 % for parameters. `!` marks a share whose interval lies
+outside of the target, `?` one whose interval is neither in nor outside: the records do not decide.
+"""
 TARGETS = dict.fromkeys(QUANTITIES, (0.92, 0.98)) | {"parameters": (0.90, 0.98)}
 COLUMNS = (
     "plant", "drift", "input", "noise", "estimate", "quantity", "coverage", "low", "high",
@@ -59,6 +65,16 @@ def _stacked(inside: list[np.ndarray]) -> np.ndarray:
         np.pad(one, ((0, 0), (0, points - one.shape[1])), constant_values=np.nan) for one in inside
     ]
     return np.vstack(filled)
+
+
+def written(table: Sequence[dict[str, object]], output: Path) -> tuple[list[str], str]:
+    """Write a table as ``.csv`` and ``.md``; return the lines of the latter, and its whole text."""
+    lines = as_markdown(table)
+    text = "\n".join([LEGEND, *lines, ""])
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.with_suffix(".csv").write_text(as_csv(table))
+    output.with_suffix(".md").write_text(text)
+    return lines, text
 
 
 def as_csv(table: Sequence[dict[str, object]]) -> str:
