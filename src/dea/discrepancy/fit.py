@@ -120,6 +120,18 @@ def at_prior_bounds(fitted: Fit) -> list[str]:
     return [extended.names[i] for i in bound if i < own]
 
 
+def outside_priors(freed: Fit, declared: ExtendedSimulation) -> np.ndarray:
+    """Return which free coordinates (k,) are own parameters outside their ``declared`` bounds.
+
+    ``freed`` is a fit of the same simulation within wider ones.
+    """
+    low, high = declared.bounds
+    asked = declared.coordinates(freed.values)
+    own = declared.free < len(declared.simulation.parameters)
+    outside: np.ndarray = own & ((asked < low) | (asked > high))
+    return outside
+
+
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
     """Return the simulation at ``coordinates``, with its Jacobian, without fitting it."""
     residual = problem.residual(extended, extended.values(coordinates))

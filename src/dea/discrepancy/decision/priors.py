@@ -9,7 +9,7 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.evidence.certificate import certify, certify_elsewhere, contradicting
 from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit, at_bounds, at_prior_bounds, fit
+from dea.discrepancy.fit import Fit, at_bounds, at_prior_bounds, fit, outside_priors
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Samples
 
@@ -29,7 +29,8 @@ def with_priors_checked(
     if decision.status is Status.NONE or not at_prior_bounds(evidence.nominal):
         return decision
     freed = _fit_freed(evidence, workers)
-    if not _outside(evidence, freed) or not _explains(decision, evidence, others, freed):
+    outside = outside_priors(freed, evidence.nominal.extended).any()
+    if not outside or not _explains(decision, evidence, others, freed):
         return decision
     return Decision(Status.UNKNOWN, None, reason=Reason.PRIORS, freed=freed)
 
@@ -54,15 +55,6 @@ def _explains(
     certified = certify(problem, evidence.nominal, freed).after
     tested = certify_elsewhere(others, evidence.nominal, freed)
     return certified <= rules.poor * level and not contradicting(tested, rules.clean * level)
-
-
-def _outside(evidence: Evidence, freed: Fit) -> bool:
-    """Return whether any parameter of the simulation is where its declared prior has none."""
-    declared = evidence.nominal.extended
-    low, high = declared.bounds
-    asked = declared.coordinates(freed.values)
-    own = declared.free < len(declared.simulation.parameters)
-    return bool((((asked < low) | (asked > high)) & own).any())
 
 
 def _fit_freed(evidence: Evidence, workers: int) -> Fit:

@@ -8,7 +8,7 @@ import numpy as np
 from dea.confidence import DEVIATIONS
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
 from dea.discrepancy.evidence.steepness import shortened
-from dea.discrepancy.fit import Fit, at_bounds
+from dea.discrepancy.fit import Fit, at_bounds, outside_priors
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.verdict import Estimate
 from dea.simulation import Attached, ExtendedSimulation, Parameter
@@ -89,14 +89,10 @@ def estimates_beyond_priors(
     ``freed`` is a fit with wider ones, and ``deviation`` (k,) the standard deviation of its
     coordinates.
     """
-    low, high = declared.bounds
-    asked = declared.coordinates(freed.values)
     found = {}
     bound = at_bounds(freed.extended, freed.coordinates)
-    for position, i in enumerate(declared.free):
-        own = i < len(declared.simulation.parameters)
-        if not own or low[position] <= asked[position] <= high[position]:
-            continue
+    for position in np.flatnonzero(outside_priors(freed, declared)):
+        i = declared.free[position]
         parameter = freed.extended.parameters[i]
         at, error = float(freed.coordinates[position]), float(deviation[position])
         prior, *ends = _prior_and_ends(parameter, at, error)
