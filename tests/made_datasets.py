@@ -240,6 +240,8 @@ def gfrf(seed: int) -> xr.Dataset:
                 **ends("", ("time", "frequency"), h1, "mm/V"),
                 "model_error_gain": over("frequency", np.full(f.size, 0.002)),
                 "model_error_phase": over("frequency", np.full(f.size, 0.1), "degree"),
+                "H2_model_error_gain": over("frequency", np.full(f.size, 0.01)),
+                "H2_model_error_phase": over("frequency", np.full(f.size, 0.5), "degree"),
                 **ends("H2_", ("time_h2", "frequency_1", "frequency_2"), h2, "mm/V^2"),
                 "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
                 "y0_low": over("time", 0.99 + 0.1 * t / 1800, "mm"),

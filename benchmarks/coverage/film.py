@@ -160,7 +160,8 @@ def tracked_bands(
     )
     followed, f = with_constant(model), LINES / PERIOD
     course = track["parameter"].transpose("time", "term").values
-    lacking = model_error(followed, course, u, y, RATE, chosen["gfrf"]["excited_above"])
+    excited_above = chosen["gfrf"]["excited_above"]
+    lacking = model_error(followed, course, u, y, RATE, excited_above, operating_point=bias)
     instants = Instants.of(track, followed)
     pairs = np.array(PAIRS).T / PERIOD
     found = []
@@ -178,7 +179,10 @@ def tracked_bands(
             )
             for order, where in ((1, f), (2, tuple(pairs)))
         )
-        found.append((first if lacking is None else first.widened(*lacking.at(f)), second))
+        if lacking is not None:
+            first = first.widened(*lacking.first(f))
+            second = second.widened(*lacking.second(*pairs))
+        found.append((first, second))
     return found, str(track.attrs["withheld"])
 
 

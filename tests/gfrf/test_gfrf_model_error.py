@@ -31,11 +31,12 @@ def lacking(u, y, model=FAST, excited_above=1e-3):
 
 def test_a_slow_pole_beside_the_models_own_is_seen_at_every_frequency():
     u = excitation(90_000, 1)
-    found = lacking(u, outputs(u, noise=0.01))
+    found = lacking(u, outputs(u, noise=0.003))
     _, slow = freqz(*SLOW, found.frequency, fs=RATE)
     _, fast = freqz([0.0, 0.2], [1.0, -0.8], found.frequency, fs=RATE)
     relative = slow / (fast + slow)
-    band = (found.frequency > 0.03) & (found.frequency < 0.5)
+    # At the lowest line the mean around it is of the lines above.
+    band = (found.frequency > 0.04) & (found.frequency < 0.5)
     np.testing.assert_allclose(found.gain[0][band], np.abs(relative.real)[band], atol=0.002)
     np.testing.assert_allclose(found.phase[0][band], np.abs(relative.imag)[band], atol=0.002)
 
@@ -54,7 +55,11 @@ def test_noise_alone_is_seldom_taken_for_an_error(colour):
 
 
 def test_an_error_that_noise_hides_at_most_lines_is_seen_around_them():
-    """Its size is right to a third on average, where single lines show it in a few records."""
+    """Where single lines show it in a few records.
+
+    It counts with the noise that its measurement has: it is not smaller than it is on average, and
+    at most by half larger.
+    """
     sizes, true = [], []
     for seed in range(10):
         u = excitation(24_000, seed)
@@ -65,9 +70,7 @@ def test_an_error_that_noise_hides_at_most_lines_is_seen_around_them():
         sizes.append(np.hypot(found.gain, found.phase)[0][band])
         true.append(np.abs(slow / (fast + slow))[band])
     assert np.mean(np.array(sizes) > 0.0) > 0.95
-    assert np.sqrt(np.mean(np.square(sizes))) == pytest.approx(
-        np.sqrt(np.mean(np.square(true))), rel=0.33
-    )
+    assert 1.0 < np.sqrt(np.mean(np.square(sizes)) / np.mean(np.square(true))) < 1.5
 
 
 def test_of_two_inputs_the_one_whose_response_lacks_something_is_told():
@@ -113,23 +116,24 @@ def test_a_record_that_does_not_tell_gives_none():
     assert lacking(u, y) is None
 
 
-def responses(u, y=None):
-    """Responses of the fast model alone, whose parameters are known to a thousandth."""
+def responses(u, y=None, model=FAST, deviation=1e-3):
+    """Responses of a model whose parameters are known so well."""
     times = np.arange(u.size) / RATE
+    covariance = deviation**2 * np.eye(len(model.terms))
     track = xr.Dataset(
         {
-            "parameter": (("time", "term"), np.tile(FAST.parameters, (u.size, 1))),
+            "parameter": (("time", "term"), np.tile(model.parameters, (u.size, 1))),
             "covariance": (
-                ("instant", "term", "term_2"), np.tile(1e-6 * np.eye(2), (3, 1, 1))
+                ("instant", "term", "term_2"), np.tile(covariance, (3, 1, 1))
             ),
         },
         coords={
-            "time": times, "instant": times[[10, 100, 1000]], "term": list(map(str, FAST.terms)),
+            "time": times, "instant": times[[10, 100, 1000]], "term": list(map(str, model.terms)),
         },
         attrs={"estimator": "local", "withheld": ""},
     )  # fmt: skip
-    grid = Grid(instants=3, lowest=1e-3, highest=0.01, count=20, plane_count=2)
-    return response_over_time(FAST, track, u, RATE, y=y, grid=grid)
+    grid = Grid(instants=3, lowest=1e-3, highest=0.01, count=20, plane_highest=0.01, plane_count=4)
+    return response_over_time(model, track, u, RATE, y=y, grid=grid)
 
 
 def test_the_band_holds_the_response_that_the_structure_cannot_have():
@@ -147,7 +151,6 @@ def test_the_band_holds_the_response_that_the_structure_cannot_have():
 
     assert inside(found).all()
     assert inside(alone).mean() < 0.5
-    np.testing.assert_array_equal(found["H2_gain_high"], alone["H2_gain_high"])
 
 
 def test_where_nothing_is_lacking_the_band_is_that_of_the_parameters():
@@ -158,8 +161,72 @@ def test_where_nothing_is_lacking_the_band_is_that_of_the_parameters():
     assert wider.max() < 1.01
 
 
+SQUARE, LAGGING = 0.3, 0.5  # shares of the square, and of that which the slow pole alone answers
+
+
+def bent(u):
+    """What follows u and its square at once, and a slow part of the square, which BENT lacks."""
+    at_once = lfilter([0.0, 0.2], [1.0, -0.8], u + SQUARE * u**2)
+    return at_once + LAGGING * lfilter(*SLOW, u**2)
+
+
+BENT = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.2, "u(t-1)^2": 0.2 * SQUARE})
+
+
+@pytest.mark.parametrize("level", [0.0, 0.4])
+def test_what_the_square_of_the_input_drives_is_told_from_what_the_input_does(level):
+    """About another operating point, the slow part of the square is one of H1, too."""
+    u = excitation(90_000, 1) + 0.3  # not centred, so that u and its square are correlated
+    course = np.tile(BENT.parameters, (u.size, 1))
+    found = model_error(BENT, course, u, bent(u), RATE, 1e-3, operating_point=level)
+    f = found.frequency[(found.frequency > 0.03) & (found.frequency < 0.3)]
+    _, slow = freqz(*SLOW, f, fs=RATE)
+    _, fast = freqz([0.0, 0.2], [1.0, -0.8], f, fs=RATE)
+    second = LAGGING * slow / (SQUARE * fast + LAGGING * slow)
+    lagging = 2.0 * level * LAGGING * slow
+    first = lagging / ((1.0 + 2.0 * level * SQUARE) * fast + lagging)
+    for (gain, phase), true in ((found.product(f), second), (found.first(f), first)):
+        np.testing.assert_allclose(gain, np.abs(true.real), atol=0.01)
+        np.testing.assert_allclose(phase, np.abs(true.imag), atol=0.01)
+    pairs = f[:5, None], f[None, :5]
+    gain, phase = found.second(*pairs)
+    assert (gain >= found.product(sum(pairs))[0]).all()
+    np.testing.assert_array_equal(phase, phase.T)
+
+
+def test_the_band_of_h2_holds_what_the_square_drives():
+    u = excitation(90_000, 1)
+    found, alone = (responses(u, y, BENT, 1e-4) for y in (bent(u), None))
+    f1, f2 = found["frequency_1"].values[:, None], found["frequency_2"].values
+    _, slow = freqz(*SLOW, (f1 + f2).ravel(), fs=RATE)
+    _, fast = freqz([0.0, 0.2], [1.0, -0.8], (f1 + f2).ravel(), fs=RATE)
+    true = np.abs(SQUARE * fast + LAGGING * slow).reshape(len(f1), -1)
+
+    def inside(band):
+        return ((band["H2_gain_low"] <= true) & (true <= band["H2_gain_high"])).values
+
+    assert inside(found).all()
+    assert not inside(alone).any()
+
+
+@pytest.mark.parametrize("levels", [2, 3])
+def test_an_input_of_few_levels_tells_of_as_many_powers_fewer_one(levels):
+    """Of two, the square is constant; of three, the cube is a multiple of the input."""
+    rng = np.random.default_rng(1)
+    u = np.repeat(rng.integers(levels, size=9000) - (levels - 1) / 2, 10)
+    found = lacking(u, outputs(u))
+    _, slow = freqz(*SLOW, found.frequency, fs=RATE)
+    _, fast = freqz([0.0, 0.2], [1.0, -0.8], found.frequency, fs=RATE)
+    band = (found.frequency > 0.03) & (found.frequency < 0.5)
+    relative = np.abs(slow / (fast + slow))[band]
+    np.testing.assert_allclose(np.hypot(found.gain, found.phase)[0][band], relative, atol=0.003)
+    assert np.isnan(found.pair_gain).all() == (levels == 2)
+    if levels == 2:
+        gain, _ = found.second(np.array([0.1]), np.array([0.1]))
+        assert gain == 0.0
+
+
 def test_noise_alone_is_taken_for_an_error_at_one_line_in_a_hundred():
-    """By Student's distribution of so many segments at 1.3 of them."""
     taken = []
     for seed in range(12):
         u = np.random.default_rng(seed).standard_normal(90_000)
@@ -167,4 +234,4 @@ def test_noise_alone_is_taken_for_an_error_at_one_line_in_a_hundred():
         y += 0.1 * np.random.default_rng(100 + seed).standard_normal(u.size)
         found = lacking(u, y)
         taken.append(np.mean(found.gain[0] + found.phase[0] > 0.0))
-    assert 0.010 < np.mean(taken) < 0.016
+    assert 0.008 < np.mean(taken) < 0.012

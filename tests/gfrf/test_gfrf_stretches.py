@@ -18,6 +18,8 @@ LACKING = xr.Dataset(
     {
         "model_error_gain": ("frequency", [0.3, 0.3]),
         "model_error_phase": ("frequency", [10.0, 10.0]),
+        "H2_model_error_gain": ("frequency", [0.4, 0.4]),
+        "H2_model_error_phase": ("frequency", [20.0, 20.0]),
     },
     coords={"frequency": [0.0, 1.0]},
 )
@@ -61,18 +63,20 @@ def test_a_band_that_is_withheld_leaves_what_the_structure_lacks():
     exact = LACKING * 0.0
     [none, _] = modelled_stretches(MODEL, track("too few"), exact, STRETCHES, LINES, 1.0)
     np.testing.assert_allclose(none.band.gain, 0.0, atol=1e-12)
-    np.testing.assert_allclose(bare.H2_band.gain, 0.0, atol=1e-12)
+    np.testing.assert_allclose(none.H2_band.gain, 0.0, atol=1e-12)
+    assert (bare.H2_band.gain > 0.4).all()
+    assert (bare.H2_band.phase > np.radians(20.0)).all()
     assert (bare.band.gain > 0.3).all()
     assert (bare.band.phase > np.radians(10.0)).all()
     assert (wide.band.gain > bare.band.gain).all()
-    assert (wide.H2_band.gain > 0.0).all()
+    assert (wide.H2_band.gain > bare.H2_band.gain).all()
 
 
 @pytest.mark.parametrize("withheld", ["", "too few windows"])
 def test_a_track_is_the_same_as_it_is_made_and_as_it_is_stored(withheld):
     stored = track(withheld)
     made = stored.drop_vars("withheld").assign_attrs(withheld=withheld)
-    unknown = LACKING.drop_vars(["model_error_gain", "model_error_phase"])
+    unknown = LACKING.drop_vars(list(LACKING))
     pairs = (
         modelled_stretches(MODEL, each, responses, STRETCHES, LINES, 1.0)
         for each, responses in ((stored, LACKING * np.nan), (made, unknown))

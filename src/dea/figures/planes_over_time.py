@@ -191,8 +191,7 @@ def _curve_handles(times: Sequence[str], shown: PlaneQuantity) -> list[Line2D | 
     if not shown.low:
         handles.append(Line2D([], [], ls="none", label="no band is computed"))
     elif any(bool(np.isfinite(low.values).any()) for low in shown.low.values()):
-        band = "95 % band of parameters"  # what the terms lack is not in it
-        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label=band))
+        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
     return handles
 
 

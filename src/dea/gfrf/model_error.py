@@ -1,15 +1,20 @@
 """What a model's structure lacks, as its response: the model error model.
 
 The error of a free run whose parameters follow the record holds what the terms cannot describe: a
-creep slower than their lags, for instance. The best linear approximation from the input to that
-error, over that to the output, is how far the gain is off and the phase (L. Ljung, Automatica 35,
-1999, 403). It is measured with the record's own excitation, so that it tells how large the error of
-a response is, and not what the response around one operating point should be.
+creep slower than their lags, for instance. Its response to the input, over that of the output, is
+how far the model's response is off in gain and phase (L. Ljung, Automatica 35, 1999, 403). Both are
+parallel Hammerstein models about the operating point, so that the response to small inputs and that
+to their squares are told apart from the average over the record's large ones. They are measured
+with the record's own excitation, so that they tell how large the error of a response is, and not
+what the response should be.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.arrays import Array, Complex
@@ -19,40 +24,93 @@ from dea.narx import NarxModel, as_input, simulate_varying
 
 _LONGEST = 4000  # samples of a segment, which overlap by half
 _SEGMENTS = 8  # independent ones, at least: nine that overlap by half
+_PER_REGRESSOR = 3  # independent segments that a record is divided into
 # Segments that overlap by half are correlated, with Hann's window by 1/6: so many of them count as
 # one independent one (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
 _ALIKE = 1.0 + 2.0 / 6.0**2
 _CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency and around it
-# Deviation of the logarithm of the frequency over which neighbours count, and the correlation of
-# the power of lines that are one and two apart, with Hann's window.
-_LEAST_FREE = (
-    3.0  # complex values, below which the noise is too uncertain to be averaged over lines
-)
-_AROUND, _SHARED = 0.5, (4.0 / 9.0, 1.0 / 36.0)
+# Complex values beyond the regressors, below which the noise is too uncertain to be averaged.
+_LEAST_FREE = 3.0
+# Deviation of the logarithm of the frequency over which neighbours count: for whether there is an
+# error, and for its size. And the correlation of the power of lines that are one and two apart,
+# with Hann's window.
+_SEEN, _AROUND, _SHARED = 1.0, 0.5, (4.0 / 9.0, 1.0 / 36.0)
 _RESOLVED = 2.0  # periods in a segment
+# Of the power of a power of the input, what those before it must leave of it; and of the largest
+# power of its lines, what a line is taken to have at least.
+_OWN, _LEAST = 1e-6, 1e-12
 
 
 @dataclass(frozen=True)
 class ModelErrorModel:
-    """Standard deviation of relative gain and of phase (rad) by input and frequency in Hz.
+    """Standard deviations of relative gains and of phases (rad) by frequency in Hz.
 
     Parameters
     ----------
     frequency : (lines,)
     gain, phase : (inputs, lines)
+        Of what an input drives.
+    pair_gain, pair_phase : (pairs, lines)
+        Of what the product of two inputs drives; pairs as ``combinations_with_replacement`` of the
+        inputs orders them. NaN where the record does not tell, as of an input with two levels.
     """
 
     frequency: Array
     gain: Array
     phase: Array
+    pair_gain: Array
+    pair_phase: Array
 
-    def at(self, frequency: Array, number: int = 1) -> tuple[Array, Array]:
-        """Return gain and phase of an input at other frequencies; beyond the lines, the nearest."""
-        gain, phase = (
-            np.interp(frequency, self.frequency, each[number - 1])
-            for each in (self.gain, self.phase)
-        )
+    def first(self, frequency: Array, number: int = 1) -> tuple[Array, Array]:
+        """Return gain and phase of H1 of an input; beyond the lines, of the nearest."""
+        return self._at(frequency, self.gain[number - 1], self.phase[number - 1])
+
+    def product(self, frequency: Array, numbers: Sequence[int] = (1, 1)) -> tuple[Array, Array]:
+        """Return gain and phase of what the product of two inputs drives at a frequency."""
+        inputs = range(1, len(self.gain) + 1)
+        pair = (min(numbers), max(numbers))
+        row = list(combinations_with_replacement(inputs, 2)).index(pair)
+        return self._at(frequency, self.pair_gain[row], self.pair_phase[row])
+
+    def second(self, f1: Array, f2: Array, numbers: Sequence[int] = (1, 1)) -> tuple[Array, Array]:
+        """Return gain and phase of H2(f1, f2) of two inputs; zero where the record does not tell.
+
+        What their product drives is measured at the sum of the frequencies, over all pairs that
+        have it. What differs between these pairs is taken to be as large as the errors of H1 at
+        the two frequencies and their sum, of which H2 of a lumped device is a product. The sum
+        counts for the first input.
+        """
+        parts = [
+            self.first(f1, numbers[0]),
+            self.first(f2, numbers[1]),
+            self.first(np.add(f1, f2), numbers[0]),
+            self.product(np.add(f1, f2), numbers),
+        ]
+        gain, phase = (np.sqrt(sum(np.square(part[k]) for part in parts)) for k in (0, 1))
+        return np.nan_to_num(gain), np.nan_to_num(phase)
+
+    def _at(self, frequency: Array, *values: Array) -> tuple[Array, Array]:
+        gain, phase = (np.interp(np.abs(frequency), self.frequency, each) for each in values)
         return gain, phase
+
+    @classmethod
+    def of(cls, responses: xr.Dataset) -> "ModelErrorModel | None":
+        """Return that of one input, as :func:`dea.gfrf.response_over_time` gives it, if it does."""
+        if "model_error_gain" not in responses or responses["model_error_gain"].isnull().any():
+            return None
+        found = [
+            responses[f"{prefix}model_error_{part}"].values[None]
+            for prefix in ("", "H2_")
+            for part in ("gain", "phase")
+        ]
+        gain, phase, pair_gain, pair_phase = found
+        return cls(
+            responses["frequency"].values,
+            gain,
+            np.radians(phase),
+            pair_gain,
+            np.radians(pair_phase),
+        )
 
 
 def model_error(
@@ -62,6 +120,7 @@ def model_error(
     y: ArrayLike,
     sampling_rate: float,
     excited_above: float,
+    operating_point: ArrayLike | None = None,
 ) -> ModelErrorModel | None:
     """Return what the model lacks, or None where the record does not tell.
 
@@ -75,77 +134,116 @@ def model_error(
         The record in physical units, (samples,) or (samples, inputs); missing outputs are NaN.
     excited_above
         Share of the largest power density of an input above which a frequency counts as excited.
+    operating_point
+        Inputs about which the responses are taken, in physical units; by default the middle ones.
     """
     scaling, signals = model.scaling, as_input(u)
     outputs, seen = filled(np.asarray(y, dtype=float))
-    run = simulate_varying(
-        model.terms, parameters, scaling.normalise_input(signals), scaling.normalise_output(outputs)
-    )
+    normalised = scaling.normalise_input(signals)
+    run = simulate_varying(model.terms, parameters, normalised, scaling.normalise_output(outputs))
     error = outputs - scaling.restore_output(run)
-    length = min(_LONGEST, error.size // _SEGMENTS)
+    middle = scaling.u_offset if operating_point is None else operating_point
+    about = (np.asarray(middle, dtype=float) - scaling.u_offset) / scaling.u_scale
+    powers, told = _powers(by_input(normalised - about))
+    length = min(_LONGEST, error.size // max(_SEGMENTS, _PER_REGRESSOR * len(powers)))
     if length < 4 * _RESOLVED:
         return None
     known = seen & np.isfinite(error)
     every = range(0, known.size - length + 1, length // 2)
     starts = np.array([a for a in every if known[a : a + length].all()], dtype=np.int64)
     averages = starts.size / _ALIKE
-    if averages < _SEGMENTS:
+    free = averages - len(powers)
+    if averages < _SEGMENTS or free <= _LEAST_FREE:
         return None
-    inputs = by_input(signals)
-    U, Y, E = (_transformed(each, starts, length) for each in (inputs, outputs[None], error[None]))
+    U, Y, E = (_transformed(each, starts, length) for each in (powers, outputs[None], error[None]))
     auto = np.einsum("ikf,jkf->fij", U.conj(), U)
     power = np.einsum("fii->if", auto).real
     frequency = np.fft.rfftfreq(length, 1.0 / sampling_rate)
-    usable = (power > excited_above * power.max(axis=1, keepdims=True)).all(axis=0)
+    largest = power.max(axis=1)
+    usable = (power > excited_above * largest[:, None])[: model.inputs].all(axis=0)
     usable &= frequency >= _RESOLVED * sampling_rate / length
     if not usable.any():
         return None
-    auto, U, Y, E = auto[usable], U[..., usable], Y[0][:, usable], E[0][:, usable]
+    auto = auto[usable] + _LEAST * np.diag(largest)
+    U, Y, E = U[..., usable], Y[0][:, usable], E[0][:, usable]
     to_error, to_output = (
         np.linalg.solve(auto, np.einsum("ikf,kf->fi", U.conj(), each)[..., None])[..., 0].T
         for each in (E, Y)
     )
     left = E - np.einsum("if,ikf->kf", to_error, U)
-    noise = np.mean(np.abs(left) ** 2, axis=0) * averages / (averages - len(inputs))
+    noise = np.mean(np.abs(left) ** 2, axis=0) * averages / free
     variance = _ALIKE * noise * np.einsum("fii->if", np.linalg.inv(auto)).real
-    lines = frequency[usable]
     relative: Complex = np.asarray(to_error / to_output, dtype=np.complex128)
     variance /= np.abs(to_output) ** 2
-    free = averages - len(inputs)
-    return ModelErrorModel(lines, *_deviations(lines, relative, variance, free))
+    found = np.full((2, told.size, usable.sum()), np.nan)
+    found[:, told] = _deviations(frequency[usable], relative, variance, free)[:, : told.sum()]
+    gain, phase = found
+    first = slice(model.inputs)
+    second = slice(model.inputs, None)
+    return ModelErrorModel(
+        frequency[usable], gain[first], phase[first], gain[second], phase[second]
+    )
 
 
-def _deviations(
-    frequency: Array, relative: Complex, variance: Array, free: float
-) -> tuple[Array, Array]:
-    """Return the standard deviations of gain and phase (inputs, lines) of a relative error.
+def _powers(inputs: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return inputs, their products, cubes and fourth powers (regressors, samples).
 
-    It counts at a line where it is beyond chance there, and its mean around a line where that is:
-    an error that the noise hides at one line is about as large as at its neighbours. The larger of
-    the two counts, of gain and phase each. ``variance`` (inputs, lines) is that of the relative
-    error by noise, estimated with so many ``free`` complex values.
+    The higher ones keep what they drive apart from what inputs and products do. One that those
+    before it make up, as all but the first of an input with two levels, is left out. And which of
+    the inputs and products there are.
     """
-    from scipy.stats import gamma
+    pairs = combinations_with_replacement(inputs, 2)
+    products = [first * second for first, second in pairs]
+    every = np.array([*inputs, *products, *inputs**3, *inputs**4])
+    centred = every - every.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(centred, axis=1)
+    directions: list[Array] = []
+    kept = np.zeros(len(every), bool)
+    for row, each in enumerate(centred):
+        own = each.copy()
+        for direction in directions:
+            own -= (direction @ own) * direction
+        left = np.linalg.norm(own)
+        if left**2 > _OWN * size[row] ** 2:
+            kept[row] = True
+            directions.append(own / left)
+    return every[kept], kept[: len(inputs) + len(products)]
 
-    weights = np.exp(-0.5 * (np.log(frequency[:, None] / frequency) / _AROUND) ** 2)
-    weights /= weights.sum(axis=1, keepdims=True)
-    excess = [part**2 - 0.5 * variance for part in (relative.real, relative.imag)]
+
+def _deviations(frequency: Array, relative: Complex, variance: Array, free: float) -> Array:
+    """Return the standard deviations (2, regressors, lines) of gain and phase.
+
+    An error counts at a line where it is beyond chance there, and its mean around a line where that
+    is: an error that the noise hides at one line is about as large as at its neighbours. The larger
+    of the two counts, of gain and phase each. Either is the square of what was measured, to which
+    the uncertainty of the measurement is added: so far may the error be.
+
+    Parameters
+    ----------
+    relative, variance : (regressors, lines)
+        The relative error, and its variance by noise, estimated with so many ``free`` complex
+        values.
+    """
+    from scipy.stats import f, gamma
+
+    near, wide = (_weights(frequency, width) for width in (_AROUND, _SEEN))
+    sizes = [part**2 + 0.5 * variance for part in (relative.real, relative.imag)]
     power = np.abs(relative) ** 2
-    here = power > -np.log(_CHANCE) * variance
     # The power of noise over its estimated mean is an F variable of 2 and 2 free degrees: of mean
     # free/(free - 1), and over that of variance free/(free - 2). A mean of lines is nearly a gamma
     # variable of its variance.
-    around = np.zeros(power.shape, bool)
-    if free > _LEAST_FREE:
-        ratio = np.divide(power, variance, out=np.zeros_like(power), where=variance > 0.0)
-        shape = (1.0 - 2.0 / free) / _spread(weights)
-        limit = gamma.ppf(1.0 - _CHANCE, shape) / shape
-        around = (1.0 - 1.0 / free) * ratio @ weights.T > limit
-    gain, phase = (
-        np.sqrt(np.maximum(np.maximum(each, 0.0) * here, (each @ weights.T) * around))
-        for each in excess
-    )
-    return gain, phase
+    here = power > f.ppf(1.0 - _CHANCE, 2.0, 2.0 * free) * variance
+    ratio = np.divide(power, variance, out=np.zeros_like(power), where=variance > 0.0)
+    shape = (1.0 - 2.0 / free) / _spread(wide)
+    around = (1.0 - 1.0 / free) * ratio @ wide.T > gamma.ppf(1.0 - _CHANCE, shape) / shape
+    return np.sqrt([np.maximum(each * here, (each @ near.T) * around) for each in sizes])
+
+
+def _weights(frequency: Array, width: float) -> Array:
+    """Return the weights (lines, lines) of neighbours, which sum to one at each line."""
+    weights = np.exp(-0.5 * (np.log(frequency[:, None] / frequency) / width) ** 2)
+    found: Array = weights / weights.sum(axis=1, keepdims=True)
+    return found
 
 
 def _spread(weights: Array) -> Array:

@@ -97,8 +97,8 @@ def response_over_time(
     u, sampling_rate
         The excitation the parameters were tracked with, in physical units, and its rate in Hz.
     y
-        The outputs they were tracked with, missing ones NaN: the intervals of H1 then hold what the
-        model's structure lacks, too.
+        The outputs they were tracked with, missing ones NaN: the intervals of H1 and H2 then hold
+        what the model's structure lacks, too.
     grid
         Times and frequencies of the responses.
     excited_above
@@ -114,13 +114,14 @@ def response_over_time(
         ``gain_high``, ``phase_low``, ``phase_high`` (degrees) of H1, the same with ``H2_`` of H2,
         ``y0_low`` and ``y0_high``. With ``y``, ``model_error_gain`` (relative) and
         ``model_error_phase`` (degrees) over frequency are the standard deviations that H1 has by
-        the structure (:mod:`dea.gfrf.model_error`); missing, and not in the intervals, where the
+        the structure, the same with ``H2_`` those of what the square of the input drives at a
+        frequency (:mod:`dea.gfrf.model_error`); missing, and not in the intervals, where the
         record does not tell. Of several inputs, H1, its intervals and errors, ``input_spectrum``,
         ``excited`` and H3, all of whose frequencies are then in one input, have the dimension
-        ``input`` in front; H2, its intervals and ``excited_h2`` the dimension ``pair``, of the
-        input of ``frequency_1`` and that of ``frequency_2``. Missing where the model of that time
-        does not come to rest and has no steady-state response; the intervals also where the track
-        withholds them.
+        ``input`` in front; H2, its intervals and errors and ``excited_h2`` the dimension ``pair``,
+        of the input of ``frequency_1`` and that of ``frequency_2``. Missing where the model of that
+        time does not come to rest and has no steady-state response; the intervals also where the
+        track withholds them.
     """
     rows = _Rows(model, track, sampling_rate)
     u = input_of(model.labels, u)
@@ -142,14 +143,8 @@ def response_over_time(
             "input",
             [rows.first(at, f, over, k, error) for k in numbers],
         )
-        | ({} if y is None else _together("input", [_lacking(error, f, k) for k in numbers]))
-        | _together(
-            "pair",
-            [
-                _banded(rows.response(2, at_plane, (f1, f2), pair), "H2", planes, prefix="H2_")
-                for pair in pairs
-            ],
-        )
+        | _together("pair", [rows.second(at_plane, (f1, f2), planes, k, error) for k in pairs])
+        | ({} if y is None else _lacking_of(error, f, len(numbers), pairs))
         | rows.rest(at)
         | _together(
             "input",
@@ -188,8 +183,22 @@ class _Rows:
         """Return the first-order response of an input, with what the structure lacks."""
         band = self.response(1, at, f, (number,))
         if error is not None:
-            band = band.widened(*error.at(f, number))
+            band = band.widened(*error.first(f, number))
         return _banded(band, "H1", dims)
+
+    def second(
+        self,
+        at: Rows,
+        frequencies: tuple[Array, Array],
+        dims: tuple[str, ...],
+        inputs: tuple[int, int],
+        error: ModelErrorModel | None,
+    ) -> dict[str, Any]:
+        """Return the second-order response of a pair of inputs, with what the structure lacks."""
+        band = self.response(2, at, frequencies, inputs)
+        if error is not None:
+            band = band.widened(*error.second(*frequencies, inputs))
+        return _banded(band, "H2", dims, prefix="H2_")
 
     def response(
         self, order: int, at: Rows, frequencies: Any, inputs: tuple[int, ...]
@@ -268,13 +277,29 @@ def _banded(
     return found
 
 
-def _lacking(error: ModelErrorModel | None, f: Array, number: int) -> dict[str, Any]:
-    """Return what the structure lacks in the response to an input."""
-    gain, phase = np.full((2, f.size), np.nan) if error is None else error.at(f, number)
-    label = "standard deviation of the {} of H1 by what the structure lacks"
+def _lacking_of(
+    error: ModelErrorModel | None, f: Array, inputs: int, pairs: Sequence[tuple[int, int]]
+) -> dict[str, Any]:
+    """Return what the structure lacks in the responses to inputs and to their products."""
+    unknown = (np.full(f.size, np.nan),) * 2
+    numbers = range(1, inputs + 1)
+    of_inputs = [unknown if error is None else error.first(f, k) for k in numbers]
+    of_products = [unknown if error is None else error.product(f, pair) for pair in pairs]
+    words = "what a product of inputs drives"
+    return _together("input", [_lacking(each, "", "H1") for each in of_inputs]) | _together(
+        "pair", [_lacking(each, "H2_", words) for each in of_products]
+    )
+
+
+def _lacking(found: tuple[Array, Array], prefix: str, of: str) -> dict[str, Any]:
+    """Return the standard deviations of gain and phase (rad) by what the structure lacks."""
+    gain, phase = found
+    label = f"standard deviation of the {{}} of {of} by what the structure lacks"
     return {
-        "model_error_gain": variable(("frequency",), gain, "1", label.format("relative gain")),
-        "model_error_phase": variable(
+        f"{prefix}model_error_gain": variable(
+            ("frequency",), gain, "1", label.format("relative gain")
+        ),
+        f"{prefix}model_error_phase": variable(
             ("frequency",), np.degrees(phase), "degree", label.format("phase")
         ),
     }

@@ -8,6 +8,7 @@ import xarray as xr
 from dea.arrays import Array
 from dea.gfrf.bands import ResponseBand, frequency_response_band
 from dea.gfrf.instants import Instants
+from dea.gfrf.model_error import ModelErrorModel
 from dea.narx import NarxModel
 from dea.nonparametric import Modelled, Periods, RelativeBand
 
@@ -41,12 +42,8 @@ def modelled_stretches(
         In Hz.
     """
     pairs = np.concatenate([-frequencies[::-1], frequencies])
-    gain, phase = (
-        np.interp(frequencies, responses["frequency"].values, np.nan_to_num(responses[name].values))
-        if name in responses
-        else np.zeros(frequencies.size)
-        for name in ("model_error_gain", "model_error_phase")
-    )
+    both = pairs[:, None], pairs[None, :]
+    lacking = ModelErrorModel.of(responses)
     _, theta, covariance, withheld = instants = Instants.of(track, model)
     if withheld:
         covariance = np.zeros_like(covariance)
@@ -64,9 +61,11 @@ def modelled_stretches(
                 operating_point=float(stretch.u.mean()),
                 allow_missing=True,
             )
-            for order, where in ((1, frequencies), (2, (pairs[:, None], pairs[None, :])))
+            for order, where in ((1, frequencies), (2, both))
         )
-        first = first.widened(gain, np.radians(phase))
+        if lacking is not None:
+            first = first.widened(*lacking.first(frequencies))
+            second = second.widened(*lacking.second(*both))
         found.append(Modelled(first.response, _band(first), second.response, _band(second)))
     return found
 

@@ -250,6 +250,8 @@ CONTRACTS: Mapping[str, Contract] = {
             },
             "model_error_gain": _for_each("input", "frequency", units="1"),
             "model_error_phase": _for_each("input", "frequency", units="degree"),
+            "H2_model_error_gain": _for_each("pair", "frequency", units="1"),
+            "H2_model_error_phase": _for_each("pair", "frequency", units="degree"),
             "y0": _plain("time"),
             "y0_low": _plain("time"),
             "y0_high": _plain("time"),
