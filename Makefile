@@ -287,7 +287,7 @@ benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's
 		$(if $(filter undefined,$(origin RECORDS)),,--records $(RECORDS)) $(KEEP)
 
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
-	python -m benchmarks
+	python -m benchmarks $(KEEP)
 
 clean: ## remove every generated result (the environment stays)
 	workflow/alone.sh --no-manifest sh -c \

@@ -1,4 +1,7 @@
-"""Run every benchmark, print a table of ratios and write ``results/benchmark.json``."""
+"""Run every benchmark, print a table of ratios and write ``results/benchmark.json``.
+
+``--store`` keeps the tables for the documents.
+"""
 
 import argparse
 import json
@@ -10,8 +13,9 @@ import venv
 from pathlib import Path
 
 from benchmarks import acquisition, discrepancy, identification, tracking
-from benchmarks.command_line import run
-from benchmarks.row import HEAD, Row
+from benchmarks.command_line import add_store, run
+from benchmarks.row import HEAD, Row, markdown, markdown_of_cases
+from benchmarks.stored import command, store
 
 ROOT = Path(__file__).parents[1]
 REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
@@ -33,7 +37,9 @@ def peers_python() -> Path:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run all benchmarks, print and store them; return 1 where a target is missed, else 0."""
-    argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__).parse_args(arguments)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    add_store(parser)
+    given = parser.parse_args(arguments)
     python = peers_python()
     modules = identification, tracking, discrepancy, acquisition
     rows: list[Row] = [row for module in modules for row in module.run(python)]
@@ -42,6 +48,9 @@ def main(arguments: list[str] | None = None) -> int:
     machine = {"cores": os.cpu_count(), "machine": platform.machine()}
     stored = {"machine": machine, "rows": [row.leaves() for row in rows]}
     RESULT.write_text(json.dumps(stored, indent=1) + "\n")
+    if given.store:
+        tables = {"table": markdown(rows), "cases": markdown_of_cases(rows)}
+        store("benchmark", command("benchmark"), tables)
     missed = [row.name for row in rows if not row.met]
     if missed:
         print("targets missed: " + "; ".join(missed), file=sys.stderr)

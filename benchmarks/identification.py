@@ -96,7 +96,7 @@ def _compared(
     comparison: Comparison, cases: dict[str, Case], peers: dict[str, dict[str, Any]]
 ) -> Row:
     label, search, peer, target = comparison
-    seconds, theirs, details, lost = 0.0, 0.0, [], []
+    seconds, theirs, found_of, lost = 0.0, 0.0, {}, []
     for name, (u, y, u_test, y_test) in cases.items():
         result = peers[name][peer]
         theirs += result["seconds"]
@@ -107,14 +107,15 @@ def _compared(
         other = _error(y_test[3:], np.array(result["run"], dtype=float)[3:])
         if not error < other:
             lost.append(name)
-        details.append(f"{name} {error:.1e}/{other:.1e} {len(found.terms)}/{result['terms']}")
+        found_of[name] = f"{error:.1e}/{other:.1e} {len(found.terms)}/{result['terms']}"
     return Row.of_times(
         f"{label}, {len(cases)} x {SAMPLES}, against {peer}",
         seconds,
         theirs,
         target,
-        "free-run nmse and terms, ours/peer: " + ", ".join(details),
+        "free-run nmse and terms, ours/peer:",
         tuple(lost),
+        found_of,
     )
 
 

@@ -1,6 +1,7 @@
-"""A row of the table of benchmarks."""
+"""A row of the table of benchmarks, and the table as the documents quote it."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 
 _PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n"}
 HEAD = f"{'what':<72}{'ours':>10}{'peer':>10}{'ratio':>9}{'target':>9}"
@@ -20,6 +21,7 @@ class Row:
     peer_s: float | None = None
     detail: str | None = None
     lost: tuple[str, ...] = ()  # where the peer's error is the lower one
+    cases: Mapping[str, str] = field(default_factory=dict)  # what was found for each of several
 
     @classmethod
     def of_times(
@@ -30,9 +32,10 @@ class Row:
         target: float,
         detail: str | None = None,
         lost: tuple[str, ...] = (),
+        cases: Mapping[str, str] | None = None,
     ) -> "Row":
         """Return the row whose ratio says how many times faster ours is."""
-        return cls(name, peer_s / ours_s, target, ours_s, peer_s, detail, lost)
+        return cls(name, peer_s / ours_s, target, ours_s, peer_s, detail, lost, cases or {})
 
     @property
     def met(self) -> bool:
@@ -42,23 +45,51 @@ class Row:
         """
         return self.ratio >= self.target and not self.lost
 
-    def leaves(self) -> dict[str, str | float | tuple[str, ...]]:
+    def leaves(self) -> dict[str, object]:
         """Return the row as it is stored."""
-        return {name: value for name, value in asdict(self).items() if value not in (None, ())}
+        return {name: value for name, value in asdict(self).items() if value not in (None, (), {})}
 
-    def lines(self) -> list[str]:
-        """Return the row as it is printed below HEAD, and what there is to say of it."""
-        times = [_time(seconds) for seconds in (self.ours_s, self.peer_s)]
+    def numbers(self) -> tuple[str, str, str, str]:
+        """Return both times, the ratio and its target, as they are printed."""
         if self.ours_s is None:
             ratio, target = (f"{100 * value:.5g} %" for value in (self.ratio, self.target))
         else:
             ratio, target = (f"{value:.3g}x" for value in (self.ratio, self.target))
-        lines = [f"{self.name:<72}{times[0]:>10}{times[1]:>10}{ratio:>9}{target:>9}"]
+        return _time(self.ours_s), _time(self.peer_s), ratio, target
+
+    def lines(self) -> list[str]:
+        """Return the row as it is printed below HEAD, and what there is to say of it."""
+        ours, theirs, ratio, target = self.numbers()
+        lines = [f"{self.name:<72}{ours:>10}{theirs:>10}{ratio:>9}{target:>9}"]
         if self.detail is not None:
             lines.append(f"    {self.detail}")
+        if self.cases:
+            lines.append("    " + ", ".join(f"{name} {said}" for name, said in self.cases.items()))
         if self.lost:
             lines.append(f"    lost: the peer's error is lower on {', '.join(self.lost)}")
         return lines
+
+
+def markdown(rows: Sequence[Row]) -> list[str]:
+    """Return the lines of a table of all rows."""
+    lines = ["| what | ours | peer | ratio | target | missed |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        missed = ["the target"] if not row.ratio >= row.target else []
+        missed += [f"a lower error on {name}" for name in row.lost]
+        lines.append("| " + " | ".join([row.name, *row.numbers(), ", ".join(missed)]) + " |")
+    return lines
+
+
+def markdown_of_cases(rows: Sequence[Row]) -> list[str]:
+    """Return the lines of a table of what was found for each case, of the rows that have some."""
+    rows = [row for row in rows if row.cases]
+    names = list(dict.fromkeys(name for row in rows for name in row.cases))
+    cells = [
+        ["what", *names],
+        *([row.name, *(row.cases.get(k, "") for k in names)] for row in rows),
+    ]
+    lines = ["| " + " | ".join(each) + " |" for each in cells]
+    return [lines[0], "|---" * (1 + len(names)) + "|", *lines[1:]]
 
 
 def _time(seconds: float | None) -> str:

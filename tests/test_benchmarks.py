@@ -12,7 +12,7 @@ from benchmarks import acquisition, discrepancy, identification, tracking
 from benchmarks.acquisition import Lateness, busy_core, punctuality
 from benchmarks.command_line import PeerError, peer, run
 from benchmarks.identification import CANDIDATES, Comparison, model_of
-from benchmarks.row import HEAD, Row
+from benchmarks.row import HEAD, Row, markdown, markdown_of_cases
 from benchmarks.timing import shortest
 
 from dea.errors import InputError
@@ -44,6 +44,22 @@ def test_a_share_of_samples_is_printed_as_one_with_its_lateness():
     assert detail.strip() == "the latest by 7.7 ms, where 10 ms are in time"
     assert not row.met
     assert "ours_s" not in row.leaves()
+
+
+def test_a_published_table_names_what_is_missed():
+    rows = [
+        Row.of_times("slow", 2.0, 1.0, 1.0),
+        Row.of_times("worse", 1.0, 2.0, 1.0, lost=("DEA1", "DEA4"), cases={"DEA1": "2/1"}),
+        Row.of_times("good", 1.0, 2.0, 1.0, cases={"DEA1": "1/2", "DEA2": "3/4"}),
+        Row("no number", float("nan"), 1.0),
+    ]
+    missed = [line.split(" | ")[-1] for line in markdown(rows)[2:]]
+    lost = "a lower error on DEA1, a lower error on DEA4 |"
+    assert missed == ["the target |", lost, " |", "the target |"]
+    assert markdown(rows)[2] == "| slow | 2 s | 1 s | 0.5x | 1x | the target |"
+    head, _, *lines = markdown_of_cases(rows)
+    assert head == "| what | DEA1 | DEA2 |"
+    assert lines == ["| worse | 2/1 |  |", "| good | 1/2 | 3/4 |"]
 
 
 def test_every_repetition_is_timed_and_the_last_result_returned():
@@ -94,7 +110,7 @@ def identified(monkeypatch):
 def test_searches_are_compared_at_equal_terms_and_free_runs_of_one_model(identified):
     search, simulation = identification.run("python")
     assert [command[-1] for command in identified] == [str(identification.REPEATS)]
-    ours, theirs = search.detail.split()[-1].split("/")
+    ours, theirs = search.cases["DEA2"].split()[-1].split("/")
     assert int(ours) <= int(theirs)
     assert search.lost == ("DEA2",)  # alike is not better
     assert simulation.name.startswith("free run of 2 terms, 600 samples")
