@@ -111,6 +111,32 @@ def playing(monkeypatch, counts):
     return _Playback(panel, np.array(counts), Laws(panel), Echo(panel, "applied_output", 0.05))
 
 
+def test_the_output_written_last_is_the_last_of_the_block_that_the_device_has_accepted(monkeypatch):
+    """Its way to zero begins there if the device cannot be read any more."""
+    playback = playing(monkeypatch, range(100, 170))
+    accepted = []
+
+    def exchange(sequence, block, index):
+        accepted[:] = [sequence or accepted[0], *block]
+        return replace(answer(0, 0, Origin.REST, []), sequence=accepted[0])
+
+    exchange.capacity = Exchange.capacity
+    playback.exchange = exchange
+    written = []
+    for _ in range(3):
+        playback.feed()
+        written.append(playback.panel.last_output)
+    assert written == [154, 169, 169]
+
+
+def test_an_output_that_is_not_the_one_asked_for_is_flagged_where_it_is_played(monkeypatch):
+    playback = playing(monkeypatch, [10000, 10000, 20000])
+    played = playback.collect(answer(0, 0, Origin.PLAYED, [10000, 4000]))
+    assert played.quality.tolist() == [0, Quality.CLAMPED]
+    held = playback.collect(answer(2, 2, Origin.HELD, [4000]))
+    assert held.quality.tolist() == [Quality.HELD]
+
+
 def test_an_empty_fifo_at_zero_volts_is_held_between_samples_that_are_played(monkeypatch):
     """Before the first, the device rests."""
     playback = playing(monkeypatch, [5, 0, 6])
