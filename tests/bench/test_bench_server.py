@@ -238,6 +238,15 @@ def test_an_index_names_the_same_samples_each_time(bench):
     assert first["reply_samples"][1:86:2] == bench.plant.displacement[7:]
 
 
+def test_a_reply_that_is_read_from_before_its_first_register_is_the_same(bench):
+    owner = Master(bench, token=1)
+    owner.set("command", 1)
+    owner.exchange(1, list(range(1, 51)))
+    whole = [word for words in owner.exchange(0, []).values() for word in words]
+    read = owner.client.read_holding_registers(195, count=100).registers
+    assert read == [0] * 5 + whole[:95]
+
+
 def test_a_damaged_block_is_not_played(bench):
     owner = Master(bench, token=1)
     owner.set("command", 1)
@@ -277,6 +286,7 @@ def test_the_watchdog_ends_a_silent_master(serve_bench, virtual_clock):
     assert other.get("applied_output") == 0
     assert other.get("state") == 3
     assert other.get("watchdog_latched") == 1
+    assert other.get("trip_reason") == 1
     assert other.get("fifo_level") == 0
     newcomer = Master(bench, token=2)  # the silent one has lost the outputs
     assert newcomer.set("command", 1).isError()
