@@ -1,5 +1,7 @@
 """A model with known responses, probed: measured lines are those of its own GFRFs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -35,10 +37,10 @@ def variable(values, units="1"):
     return "time", values, {"units": units, "long_name": "a quantity"}
 
 
-@pytest.fixture(scope="module")
-def record():
+def probed_record(probing):
+    """A record of PLANT with stretches of multisines, whose period is 10 s."""
     rng = np.random.default_rng(0)
-    probed = PROBING.place(0.3 + 0.1 * rng.standard_normal(2400), RATE, seed=5)
+    probed = probing.place(0.3 + 0.1 * rng.standard_normal(2400), RATE, seed=5)
     y = PLANT.simulate(probed.voltage) + 1e-5 * rng.standard_normal(2400)
     return xr.Dataset(
         {
@@ -53,12 +55,17 @@ def record():
 
 
 @pytest.fixture(scope="module")
+def record():
+    return probed_record(PROBING)
+
+
+@pytest.fixture(scope="module")
 def found(record):
     return [best_linear(stretch, 1) for stretch in periods_of(record, 10.0)]
 
 
-def responses(lines):
-    f = lines / 10.0
+def responses(lines, period=10.0):
+    f = lines / period
     pairs = np.concatenate([-f[::-1], f])
     H1 = frequency_response(PLANT, 1, f, RATE, operating_point=0.3)
     return H1, frequency_response(
@@ -197,6 +204,16 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     np.testing.assert_array_equal(judged, back["even_in_band"] >= 0.9)
     assert 0 < judged.sum() < judged.size
     assert np.mean(back["even_inside"].values[judged]) > 0.9
+
+
+@pytest.mark.parametrize("period", [10.0, 20.0])
+def test_even_lines_have_their_frequencies_whatever_the_first_excited_harmonic(period):
+    """A multisine repeats after two of its periods, too: its lowest line is then the second."""
+    made = estimates(probed_record(replace(PROBING, times=[10.0], periods=4)), period=period)
+    H1, H2 = responses(made.found[0].lines, period)
+    band, wide = (RelativeBand(np.full(h.shape, 0.1), np.full(h.shape, 0.1)) for h in (H1, H2))
+    whole = confirmation(made.dataset, made.found, [Modelled(H1, band, H2, wide)], 1.0, 0.9)
+    np.testing.assert_allclose(whole["even_frequency"], 0.2 * np.arange(1, 11))
 
 
 def test_a_band_around_a_response_has_its_half_widths():
