@@ -280,6 +280,19 @@ def test_a_design_at_another_rate_than_the_models_is_refused(design, rate):
         ControllerDesign.of_record(model, u, u, rate, SETTINGS, 7)
 
 
+def test_the_reference_is_approached_from_where_a_simulation_is_after_the_hold(design, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        "dea.control.design.whole_inverse",
+        lambda simulate, reference, *rest, **settings: asked.append(reference),
+    )
+    design.inverse_of_simulation(lambda u: 0.01 * np.arange(u.size))  # creeps on for ever
+    [wanted] = asked
+    assert np.isnan(wanted[:50]).all()  # a second at 50 Hz
+    assert wanted[50] == pytest.approx(0.5)
+    np.testing.assert_allclose(wanted[100:], design.task.reference[100:])
+
+
 def test_the_same_run_twice(design, gains):
     runs = [close(design.adaptive(gains), Plant(design.task.start), 600)[0] for _ in range(2)]
     assert np.array_equal(*runs)
