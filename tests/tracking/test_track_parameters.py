@@ -9,6 +9,7 @@ import xarray as xr
 from dea.errors import InputError
 from dea.gfrf import frequency_response, frequency_response_band
 from dea.narx import NarxModel, Scaling, estimate, refine, simulate_varying
+from dea.store import Record
 from dea.tracking import METHODS, compare_free_runs, track_parameters, with_constant
 from dea.tracking.free_runs import _reach
 from dea.tracking.sensitivity import sensitivity
@@ -240,6 +241,14 @@ def test_the_track_is_labelled_and_complete():
     assert np.all(track["parameter_std"] >= 0.0)
     missing = np.flatnonzero(np.isnan(track["innovation"].values))
     assert missing.tolist() == list(range(PLANT.max_lag))
+
+
+def test_the_time_is_that_of_the_record_unless_a_rate_is_given():
+    u, y, _ = record(5, noise=1e-3)
+    measured = Record.of(u[:2001], y[:2001], 20.0)
+    assert track_parameters(PLANT, measured)["time"].values[-1] == pytest.approx(100.0)
+    given = track_parameters(PLANT, measured, sampling_rate=40.0)
+    assert given["time"].values[-1] == pytest.approx(50.0)
 
 
 def test_innovations_are_in_output_units():
