@@ -80,8 +80,9 @@ def test_the_staircase_rests_between_its_levels():
     np.testing.assert_allclose(signal[200::500], 1.1)
 
 
-def test_the_binary_sequence_has_its_power_in_the_band():
-    assert power_above(design("binary", **STUDY, band=1.0), 2.0) < 1e-3
+@pytest.mark.parametrize("band", [1.0, 0.4])
+def test_the_binary_sequence_has_its_power_in_the_band(band):
+    assert power_above(design("binary", **STUDY, band=band), 2.0 * band) < 1e-3
 
 
 @pytest.mark.parametrize(("band", "clock"), [(1.0, 25), (0.5, 50), (0.4, 62)])
