@@ -19,8 +19,8 @@ T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
 
 
 def recorded(u, y, seen=None):
-    seen = np.ones(u.size, bool) if seen is None else seen
-    return Problem(u, y, INTERVAL, seen, np.zeros(u.size, bool), ~seen)
+    seen = np.ones(y.size, bool) if seen is None else seen
+    return Problem(u, y, INTERVAL, seen, np.zeros(y.size, bool), ~seen)
 
 
 @pytest.mark.parametrize("frequency", [1.3, 1.3083, 7.77])
@@ -44,6 +44,17 @@ def test_lines_at_the_ends_of_the_spectrum_are_found_in_any_unit():
     assert found[1] == pytest.approx(0.5 / INTERVAL, rel=1e-12)
     tiny = 1e-6 * residual
     assert lines(recorded(u, tiny), tiny) == pytest.approx(found, rel=1e-6)
+
+
+def test_an_input_at_rest_hides_no_line_of_the_ratio():
+    rng = np.random.default_rng(2)
+    u, still = rng.standard_normal(SAMPLES), np.full(SAMPLES, 2.0)
+    residual = np.sin(2 * np.pi * 1.3 * T) + 0.1 * rng.standard_normal(SAMPLES)
+    found = lines(recorded(still, residual), residual)
+    assert len(found) == 4
+    assert found[2:] == found[:2]  # the ratio to nothing that moves is the residual itself
+    both = np.column_stack([u, still])
+    assert lines(recorded(both, residual), residual) == lines(recorded(u, residual), residual)
 
 
 def test_a_course_that_hardly_repeats_is_no_line():
