@@ -130,7 +130,7 @@ def test_what_an_input_repeats_is_no_foreign_line_whatever_its_period(seed, peri
             assert abs(order - round(order)) * SAMPLES / period > 0.1
 
 
-@pytest.mark.parametrize("period", [50.3, 97.4, 980.3, 1400.6])
+@pytest.mark.parametrize("period", [50.3, 97.4, 980.3, 1400.6, 1497.3])
 def test_a_period_is_told_to_a_part_of_a_sample(period):
     u = np.sin(2.0 * np.pi * np.arange(SAMPLES) / period)
     assert exact_period(u, period_of(u)) == pytest.approx(period, abs=0.01)
