@@ -56,6 +56,17 @@ def test_guardians_that_cannot_start_end_in_an_alarm_and_not_in_silence(job, mon
     assert sum(slept) > 2.0
 
 
+def test_after_the_alarm_no_other_guardian_is_started(job, monkeypatch):
+    """The person who is told is not kept waiting for what has failed already."""
+    started = []
+    monkeypatch.setattr(recorder, "launch", lambda *_, **__: started.append(1) or Ended())
+    monkeypatch.setattr(recorder, "PAUSE", 0.0)
+    told = pytest.raises(ZeroNotVerifiedError, match="switch the amplifier off")
+    with told, Recorder(job, LinkLog(), lambda: None) as followed:
+        followed.end(None)
+    assert len(started) == 1 + GUARDIANS
+
+
 def test_a_replacement_that_the_host_cannot_start_is_told(job, monkeypatch):
     wires = iter([Ended()])
 
