@@ -158,6 +158,16 @@ def test_a_device_that_is_stopped_at_zero_volts_ends_the_record(monkeypatch):
     assert (caught.value.first, caught.value.count) == (2, 1)
 
 
+def test_what_was_played_before_a_trip_is_kept_and_then_ends_the_record(monkeypatch):
+    playback = playing(monkeypatch, [5, 0, 6])
+    assert playback.collect(answer(0, 0, Origin.PLAYED, [])) is None
+    kept = playback.collect(answer(0, 0, Origin.PLAYED, [5, 0], DeviceState.TRIPPED))
+    assert (kept.position.tolist(), kept.quality.tolist()) == ([0, 1], [0, 0])
+    with pytest.raises(BrokenRecordError, match="took its output to zero") as caught:
+        playback.collect(answer(2, 2, Origin.PLAYED, [], DeviceState.TRIPPED))
+    assert (caught.value.first, caught.value.count) == (2, 1)
+
+
 def test_a_device_that_only_rests_after_its_start_stands_still(monkeypatch):
     playback = playing(monkeypatch, [5, 0, 6])
     playback.moved -= playback.panel.link.settings.reconnect_time + 1.0
