@@ -8,7 +8,7 @@ from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, refine, simulate, simulate_varying
 from dea.tracking import track_parameters
 from dea.tracking.local import WindowEstimates, local_estimates
-from dea.tracking.scatter import _by_chance, widened
+from dea.tracking.scatter import _by_chance, _uncertain, widened
 
 PLANT = NarxModel.from_terms({"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}, scaling=Scaling())
 NOISE = 0.02
@@ -144,6 +144,12 @@ def _first_of_eight_windows(records, ratio):
     centre, stated = np.arange(theta.shape[1]) + 0.0, np.ones((theta.shape[1], 1, 1))
     found = [widened(centre, estimates[:, None], stated, overlap)[0, 0, 0] for estimates in theta]
     return theta[:, 0], np.array(found)
+
+
+def test_a_normal_quantile_of_an_uncertain_variance_is_students():
+    """t of 4 degrees of freedom is 2.776 where a normal distribution has 1.960."""
+    found = _uncertain(np.array([100.0]), 4.0)
+    np.testing.assert_allclose(1.960 * np.sqrt(found), 2.776 * 10.0, rtol=1e-3)
 
 
 def test_an_interval_holds_where_few_windows_tell_how_far_estimates_scatter():
