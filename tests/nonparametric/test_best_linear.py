@@ -159,6 +159,14 @@ def test_an_input_that_does_not_repeat_with_the_period_is_refused(length):
         best_linear(Periods(cut, cut, 0.0))
 
 
+def test_the_first_realisation_that_does_not_repeat_is_told_with_its_own_part():
+    u = multisines(np.random.default_rng(9), 3, 2)
+    u[1, 1] *= -1.0  # nothing is common to its periods
+    u[2, 1] *= 1.5
+    with pytest.raises(InputError, match=r"realisation 2 .* between periods 100 % of its motion"):
+        best_linear(Periods(u, u, 0.0))
+
+
 def test_an_input_may_be_measured_with_noise():
     rng = np.random.default_rng(10)
     u = multisines(rng, 6, 4)
