@@ -33,6 +33,14 @@ def ends(place: str) -> tuple[str, str]:
     return equation, reaction
 
 
+def place_in_words(place: str) -> str:
+    """Return where an effect acts, as "at position" or "from left to right"; empty for no place."""
+    equation, reaction = ends(place.replace("_", " "))
+    if reaction:
+        return f"from {equation} to {reaction}"
+    return f"at {equation}" if equation else ""
+
+
 def joined(labels: Iterable[str]) -> str:
     """Return the labels of several effects as one text."""
     return _AND.join(labels)

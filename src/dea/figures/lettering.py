@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from itertools import count
 from textwrap import wrap
 
-from dea.effect_label import ends, joined, name_and_place, parted
+from dea.effect_label import joined, name_and_place, parted, place_in_words
 
 _PER_MM = 0.65  # letters, at the size of a title
 # Letters of a line of a label beside an axis: longer ones leave the laws too little room.
@@ -45,13 +45,10 @@ def _broken(name: str, most: int) -> list[str]:
 
 def in_words(label: str) -> str:
     """Return an effect's name in words and, below, the force port of the label, in short lines."""
-    lines = joined(map(_placed, parted(label.replace("_", " ")))).splitlines()
+    lines = joined(map(_placed, parted(label))).splitlines()
     return "\n".join(short for line in lines for short in wrap(line, _LABEL))
 
 
 def _placed(label: str) -> str:
     name, place = name_and_place(label)
-    equation, reaction = ends(place)
-    if reaction:
-        return f"{name}\nfrom {equation} to {reaction}"
-    return f"{name}\nat {equation}" if equation else name
+    return "\n".join(filter(None, (name.replace("_", " "), place_in_words(place))))

@@ -8,7 +8,7 @@ from dea.discrepancy.evidence.localisation import Localisation
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.rules import misfit
-from dea.effect_label import ends, joined, name_and_place
+from dea.effect_label import joined, name_and_place, place_in_words
 from dea.number_format import estimate, quantity, share, written_out
 
 if TYPE_CHECKING:
@@ -258,10 +258,7 @@ def _form(found: "Diagnosis") -> str:
 def label_in_words(label: str) -> str:
     """Return the name of an effect as code, with the input or force port of its label."""
     name, place = name_and_place(label)
-    equation, reaction = ends(place.replace("_", " "))
-    if reaction:
-        return f"`{name}` from {equation} to {reaction}"
-    return f"`{name}` at {equation}" if equation else f"`{name}`"
+    return " ".join(filter(None, (f"`{name}`", place_in_words(place))))
 
 
 def labels_in_words(labels: Iterable[str]) -> str:
