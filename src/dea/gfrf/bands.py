@@ -12,6 +12,8 @@ from dea.gfrf.operating_point import rest_slope
 from dea.gfrf.response import Inputs, response_and_slope, rests, tones_of
 from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile
 
+_LARGEST = 1.0  # error of a gain, relative, or of a phase in rad, up to which a response is known
+
 
 class ResponseBand(NamedTuple):
     """A frequency response and the ends of its pointwise intervals, all of one shape.
@@ -46,9 +48,12 @@ class ResponseBand(NamedTuple):
     def widened(self, gain: Array, phase: Array, level: float = LEVEL) -> "ResponseBand":
         """Return the band with further errors of these standard deviations.
 
-        Of relative gain and of phase (rad), independent of those that it holds.
+        Of relative gain and of phase (rad), independent of those that it holds. Where one of them
+        is larger than 1 the response is not known, and has no interval.
         """
         reach = quantile(level)
+        unknown = (gain > _LARGEST) | (phase > _LARGEST)
+        gain, phase = (np.where(unknown, np.nan, each) for each in (gain, phase))
         # A response that is missing or zero has no interval.
         with np.errstate(divide="ignore", invalid="ignore"):
             of_gain = np.exp(np.hypot(np.log(self.gain_high / self.gain), reach * gain))

@@ -17,28 +17,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from dea.arrays import Array, Complex
+from dea.arrays import Array
+from dea.gfrf.relative_error import SHARED, RelativeError, relative_error
 from dea.inputs import by_input
 from dea.missing import filled
 from dea.narx import NarxModel, as_input, simulate_varying
 
-_LONGEST = 4000  # samples of a segment, which overlap by half
-_SEGMENTS = 8  # independent ones, at least: nine that overlap by half
-_PER_REGRESSOR = 3  # independent segments that a record is divided into
-# Segments that overlap by half are correlated, with Hann's window by 1/6: so many of them count as
-# one independent one (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
-_ALIKE = 1.0 + 2.0 / 6.0**2
 _CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency and around it
-# Complex values beyond the regressors, below which the noise is too uncertain to be averaged.
-_LEAST_FREE = 3.0
 # Deviation of the logarithm of the frequency over which neighbours count: for whether there is an
-# error, and for its size. And the correlation of the power of lines that are one and two apart,
-# with Hann's window.
-_SEEN, _AROUND, _SHARED = 1.0, 0.5, (4.0 / 9.0, 1.0 / 36.0)
-_RESOLVED = 2.0  # periods in a segment
-# Of the power of a power of the input, what those before it must leave of it; and of the largest
-# power of its lines, what a line is taken to have at least.
-_OWN, _LEAST = 1e-6, 1e-12
+# error, and for its size.
+_SEEN, _AROUND = 1.0, 0.5
+# Share of a regressor's variance that those before it must leave unexplained; and its deviation,
+# relative to its root mean square, below which it varies by rounding alone.
+_OWN, _ROUNDING = 1e-6, 1e-9
+# Share of an input's power at a line that the higher powers must leave unexplained. The segments of
+# a periodic record are alike, so that at each line one regressor explains the others.
+_TOLD_APART = 1e-4
 
 
 @dataclass(frozen=True)
@@ -52,7 +46,8 @@ class ModelErrorModel:
         Of what an input drives.
     pair_gain, pair_phase : (pairs, lines)
         Of what the product of two inputs drives; pairs as ``combinations_with_replacement`` of the
-        inputs orders them. NaN where the record does not tell, as of an input with two levels.
+        inputs orders them. NaN where the record does not tell, as of an input that is periodic or
+        has two levels.
     """
 
     frequency: Array
@@ -77,8 +72,8 @@ class ModelErrorModel:
 
         What their product drives is measured at the sum of the frequencies, over all pairs that
         have it. What differs between these pairs is taken to be as large as the errors of H1 at
-        the two frequencies and their sum, of which H2 of a lumped device is a product. The sum
-        counts for the first input.
+        the two frequencies and their sum: if the square of a device's state acts on it, H2 is a
+        constant times these three. The sum counts for the first input.
         """
         parts = [
             self.first(f1, numbers[0]),
@@ -124,7 +119,8 @@ def model_error(
 ) -> ModelErrorModel | None:
     """Return what the model lacks, or None where the record does not tell.
 
-    It does not where the free run diverges or the record is too short.
+    It does not where the free run diverges, an input is constant or made up by others, or the
+    record is too short (:func:`dea.gfrf.relative_error.relative_error`).
 
     Parameters
     ----------
@@ -145,44 +141,25 @@ def model_error(
     middle = scaling.u_offset if operating_point is None else operating_point
     about = (np.asarray(middle, dtype=float) - scaling.u_offset) / scaling.u_scale
     powers, told = _powers(by_input(normalised - about))
-    length = min(_LONGEST, error.size // max(_SEGMENTS, _PER_REGRESSOR * len(powers)))
-    if length < 4 * _RESOLVED:
+    if not told[: model.inputs].all():
         return None
     known = seen & np.isfinite(error)
-    every = range(0, known.size - length + 1, length // 2)
-    starts = np.array([a for a in every if known[a : a + length].all()], dtype=np.int64)
-    averages = starts.size / _ALIKE
-    free = averages - len(powers)
-    if averages < _SEGMENTS or free <= _LEAST_FREE:
+
+    def measured(regressors: Array) -> RelativeError | None:
+        return relative_error(
+            regressors, model.inputs, outputs, error, known, sampling_rate, excited_above
+        )
+
+    found = measured(powers)
+    if found is None or found.told_apart < _TOLD_APART:
+        found = measured(powers[: model.inputs])
+        told[model.inputs :] = False
+    if found is None:
         return None
-    U, Y, E = (_transformed(each, starts, length) for each in (powers, outputs[None], error[None]))
-    auto = np.einsum("ikf,jkf->fij", U.conj(), U)
-    power = np.einsum("fii->if", auto).real
-    frequency = np.fft.rfftfreq(length, 1.0 / sampling_rate)
-    largest = power.max(axis=1)
-    usable = (power > excited_above * largest[:, None])[: model.inputs].all(axis=0)
-    usable &= frequency >= _RESOLVED * sampling_rate / length
-    if not usable.any():
-        return None
-    auto = auto[usable] + _LEAST * np.diag(largest)
-    U, Y, E = U[..., usable], Y[0][:, usable], E[0][:, usable]
-    to_error, to_output = (
-        np.linalg.solve(auto, np.einsum("ikf,kf->fi", U.conj(), each)[..., None])[..., 0].T
-        for each in (E, Y)
-    )
-    left = E - np.einsum("if,ikf->kf", to_error, U)
-    noise = np.mean(np.abs(left) ** 2, axis=0) * averages / free
-    variance = _ALIKE * noise * np.einsum("fii->if", np.linalg.inv(auto)).real
-    relative: Complex = np.asarray(to_error / to_output, dtype=np.complex128)
-    variance /= np.abs(to_output) ** 2
-    found = np.full((2, told.size, usable.sum()), np.nan)
-    found[:, told] = _deviations(frequency[usable], relative, variance, free)[:, : told.sum()]
-    gain, phase = found
-    first = slice(model.inputs)
-    second = slice(model.inputs, None)
-    return ModelErrorModel(
-        frequency[usable], gain[first], phase[first], gain[second], phase[second]
-    )
+    every = np.full((2, told.size, found.frequency.size), np.nan)
+    every[:, told] = _deviations(found)[:, : told.sum()]
+    (gain, pair_gain), (phase, pair_phase) = (np.split(each, [model.inputs]) for each in every)
+    return ModelErrorModel(found.frequency, gain, phase, pair_gain, pair_phase)
 
 
 def _powers(inputs: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -195,37 +172,31 @@ def _powers(inputs: Array) -> tuple[Array, NDArray[np.bool_]]:
     pairs = combinations_with_replacement(inputs, 2)
     products = [first * second for first, second in pairs]
     every = np.array([*inputs, *products, *inputs**3, *inputs**4])
+    whole = np.linalg.norm(every, axis=1)
     centred = every - every.mean(axis=1, keepdims=True)
     size = np.linalg.norm(centred, axis=1)
-    directions: list[Array] = []
-    kept = np.zeros(len(every), bool)
+    basis, kept = np.empty_like(every), np.zeros(len(every), bool)
     for row, each in enumerate(centred):
-        own = each.copy()
-        for direction in directions:
-            own -= (direction @ own) * direction
+        before = basis[: kept.sum()]
+        own = each - (before @ each) @ before
         left = np.linalg.norm(own)
-        if left**2 > _OWN * size[row] ** 2:
+        if left > max(np.sqrt(_OWN) * size[row], _ROUNDING * whole[row]):
+            basis[len(before)] = own / left
             kept[row] = True
-            directions.append(own / left)
     return every[kept], kept[: len(inputs) + len(products)]
 
 
-def _deviations(frequency: Array, relative: Complex, variance: Array, free: float) -> Array:
+def _deviations(found: RelativeError) -> Array:
     """Return the standard deviations (2, regressors, lines) of gain and phase.
 
     An error counts at a line where it is beyond chance there, and its mean around a line where that
     is: an error that the noise hides at one line is about as large as at its neighbours. The larger
     of the two counts, of gain and phase each. Either is the square of what was measured, to which
     the uncertainty of the measurement is added: so far may the error be.
-
-    Parameters
-    ----------
-    relative, variance : (regressors, lines)
-        The relative error, and its variance by noise, estimated with so many ``free`` complex
-        values.
     """
     from scipy.stats import f, gamma
 
+    frequency, relative, variance, free, _ = found
     near, wide = (_weights(frequency, width) for width in (_AROUND, _SEEN))
     sizes = [part**2 + 0.5 * variance for part in (relative.real, relative.imag)]
     power = np.abs(relative) ** 2
@@ -249,16 +220,6 @@ def _weights(frequency: Array, width: float) -> Array:
 def _spread(weights: Array) -> Array:
     """Return the variance (lines,) of weighted means of lines, over that of one line."""
     spread: Array = np.sum(weights**2, axis=1)
-    for apart, shared in enumerate(_SHARED, 1):
+    for apart, shared in enumerate(SHARED, 1):
         spread += 2.0 * shared * np.sum(weights[:, apart:] * weights[:, :-apart], axis=1)
     return spread
-
-
-def _transformed(signals: Array, starts: NDArray[np.int64], length: int) -> NDArray[np.complex128]:
-    """Return the spectra (signals, segments, lines) of segments without their line in time."""
-    from scipy.signal import detrend
-    from scipy.signal.windows import hann
-
-    cut = signals[:, starts[:, None] + np.arange(length)]
-    found: NDArray[np.complex128] = np.fft.rfft(detrend(cut, axis=-1) * hann(length, sym=False))
-    return found

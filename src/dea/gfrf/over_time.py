@@ -125,6 +125,7 @@ def response_over_time(
     """
     rows = _Rows(model, track, sampling_rate)
     u = input_of(model.labels, u)
+    inputs = _each_input(model, u)
     error = None
     if y is not None:
         course = track["parameter"].transpose("time", "term").values.astype(float)
@@ -133,9 +134,7 @@ def response_over_time(
     f, plane, f3 = frequencies = grid.frequencies(sampling_rate)
     f1, f2 = plane[:, None], plane[None, :]
     over, planes = ("time", "frequency"), ("time_h2", "frequency_1", "frequency_2")
-    spectra = [
-        _Spectrum(each, sampling_rate, f, plane, excited_above) for each in _each_input(model, u)
-    ]
+    spectra = [_Spectrum(each, sampling_rate, f, plane, excited_above) for each in inputs]
     numbers = range(1, model.inputs + 1)
     pairs = list(combinations_with_replacement(numbers, 2))
     return xr.Dataset(
