@@ -18,6 +18,7 @@ from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import Round
 from dea.simulation import Family, Port, law_courses
+from dea.warm_up import LONGEST_WARM_UP
 
 # Steps of the fit with the essential parameter at its bound. A threshold of half the range becomes
 # a power law there, whose fit takes about twelve.
@@ -142,17 +143,23 @@ def _is_from_the_start(
 ) -> bool:
     """Return whether an event explains as much where it happens as soon as it can.
 
-    What a device has done from the start is no event. Of several records all events are moved.
+    What a device has done from the start is no event. Of several records all events are moved. One
+    in what may be the warm-up of a record need not explain as much there: a law that acts from the
+    start on may be poorer than what an event adds in the state at the start.
     """
     extended = candidate.fit.extended
     instants = extended.instants
     if not instants.any():
         return False
     soonest = np.where(instants, extended.bounds[0], candidate.fit.coordinates)
-    moved = problem.seen_rmse(problem.residual(extended, extended.values(soonest)))
+    earliest, own = extended.values(soonest), extended.values(candidate.fit.coordinates)
+    moved = problem.seen_rmse(problem.residual(extended, earliest))
     # Most events have a date, and are far off without it.
     if not moved <= rules.near * candidate.rmse:
         return False
+    shortest = min(problem.lengths or (problem.size,)) * problem.interval
+    if ((own - earliest)[extended.free[instants]] < LONGEST_WARM_UP * shortest).all():
+        return True
     # How long it took, or was held, stays: else it could end where the event began.
     held = Columns(held=extended.events)
     again = fit(problem, extended, soonest, iterations=_STEPS, columns=held)
