@@ -117,31 +117,6 @@ def test_of_many_effects_offered_each_is_less_likely():
     assert found["a"] == pytest.approx(1.0 / 21.0, rel=1e-6)
 
 
-def of_families(**families):
-    """A candidate of effects, each with its family."""
-    attached = [SimpleNamespace(effect=SimpleNamespace(family=each)) for each in families.values()]
-    return SimpleNamespace(
-        names=tuple(families), counted=tuple(families), effects=frozenset(families),
-        fit=SimpleNamespace(extended=SimpleNamespace(attached=attached)),
-    )  # fmt: skip
-
-
-def test_a_further_effect_counts_by_its_family():
-    limit = of_families(limit="limit")
-    sets = (
-        of_families(limit="limit", bent="curve"),
-        of_families(slow="creep", limit="limit"),
-        of_families(limit="limit", stiff="curve"),
-        limit,
-        of_families(bent="curve", slow="creep"),  # does not hold the limit
-    )
-    found = Presence(sets, np.array([0.3, 0.35, 0.15, 0.1, 0.1]))
-    assert found.wider_than(limit) == pytest.approx(0.8)
-    assert found.beside(limit) == pytest.approx(0.45)
-    assert found.beside(sets[0]) == 0.0
-    assert Presence((limit,), np.array([1.0])).beside(limit) == 0.0
-
-
 def test_what_an_answer_holds_beside_an_effect_is_told_by_the_wider_sets():
     alone, other = candidate("a"), candidate("b")
     sets = (candidate("a", "b"), candidate("a", "c"), alone, other)

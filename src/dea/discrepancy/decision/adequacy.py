@@ -17,7 +17,7 @@ def suffices(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     if chosen.rmse <= rules.clean * stated:
         return True
     further = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
-    if further and weighed.beside(chosen) >= rules.certain:
+    if further and weighed.wider_than(chosen) >= rules.certain:
         return False
     # Several laws together fit almost any residual: what they leave must be noise.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * stated:

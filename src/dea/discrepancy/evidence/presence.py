@@ -68,17 +68,6 @@ class Presence:
         """Return the probability that the answer holds more than the effects of a candidate."""
         return self._weight_where(lambda effects: effects > candidate.effects)
 
-    def beside(self, candidate: Candidate) -> float:
-        """Return the probability of the likeliest family of a further effect beside a candidate's.
-
-        It is less than that of any further effect where several families fit what is left alike.
-        """
-
-        def further(other: Candidate) -> set[str]:
-            return further_families(other, candidate)
-
-        return max(self._of(further).values(), default=0.0)
-
     def among(self, candidate: Candidate, others: Sequence[Candidate]) -> float:
         """Return the probability of a candidate if it is right or one of the ``others`` is.
 
@@ -107,14 +96,6 @@ class Presence:
 def families_of(candidate: Candidate) -> set[str]:
     """Return the families of a candidate's effects."""
     return {str(a.effect.family) for a in candidate.fit.extended.attached}
-
-
-def further_families(wider: Candidate, candidate: Candidate) -> set[str]:
-    """Return the families of what another candidate holds beside all effects of a candidate."""
-    if not wider.effects > candidate.effects:
-        return set()
-    attached = zip(wider.counted, wider.fit.extended.attached, strict=True)
-    return {str(a.effect.family) for name, a in attached if name not in candidate.effects}
 
 
 def presence(
