@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks import acquisition, discrepancy, identification, tracking
 from benchmarks.command_line import add_store, run
-from benchmarks.row import HEAD, Row, markdown, markdown_of_cases
+from benchmarks.row import HEAD, Row, table, table_of_cases
 from benchmarks.stored import command, store
 
 ROOT = Path(__file__).parents[1]
@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
     stored = {"machine": machine, "rows": [row.leaves() for row in rows]}
     RESULT.write_text(json.dumps(stored, indent=1) + "\n")
     if given.store:
-        tables = {"table": markdown(rows), "cases": markdown_of_cases(rows)}
+        tables = {"table": table(rows), "cases": table_of_cases(rows)}
         store("benchmark", command("benchmark"), tables)
     missed = [row.name for row in rows if not row.met]
     if missed:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
+from benchmarks.markdown import markdown
+
 _PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n"}
 HEAD = f"{'what':<72}{'ours':>10}{'peer':>10}{'ratio':>9}{'target':>9}"
 
@@ -70,26 +72,26 @@ class Row:
         return lines
 
 
-def markdown(rows: Sequence[Row]) -> list[str]:
-    """Return the lines of a table of all rows."""
-    lines = ["| what | ours | peer | ratio | target | missed |", "|---|---|---|---|---|---|"]
-    for row in rows:
-        missed = ["the target"] if not row.ratio >= row.target else []
-        missed += [f"a lower error on {name}" for name in row.lost]
-        lines.append("| " + " | ".join([row.name, *row.numbers(), ", ".join(missed)]) + " |")
-    return lines
+def table(rows: Sequence[Row]) -> list[str]:
+    """Return the lines of a table of all rows in Markdown."""
+
+    def missed(row: Row) -> str:
+        what = ["the target"] if not row.ratio >= row.target else []
+        return ", ".join([*what, *(f"a lower error on {name}" for name in row.lost)])
+
+    return markdown(
+        ["what", "ours", "peer", "ratio", "target", "missed"],
+        ([row.name, *row.numbers(), missed(row)] for row in rows),
+    )
 
 
-def markdown_of_cases(rows: Sequence[Row]) -> list[str]:
-    """Return the lines of a table of what was found for each case, of the rows that have some."""
+def table_of_cases(rows: Sequence[Row]) -> list[str]:
+    """Return the same of what was found for each case, of the rows that have some."""
     rows = [row for row in rows if row.cases]
     names = list(dict.fromkeys(name for row in rows for name in row.cases))
-    cells = [
-        ["what", *names],
-        *([row.name, *(row.cases.get(k, "") for k in names)] for row in rows),
-    ]
-    lines = ["| " + " | ".join(each) + " |" for each in cells]
-    return [lines[0], "|---" * (1 + len(names)) + "|", *lines[1:]]
+    return markdown(
+        ["what", *names], ([row.name, *(row.cases.get(k, "") for k in names)] for row in rows)
+    )
 
 
 def _time(seconds: float | None) -> str:

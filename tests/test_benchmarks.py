@@ -12,7 +12,7 @@ from benchmarks import acquisition, discrepancy, identification, tracking
 from benchmarks.acquisition import Lateness, busy_core, punctuality
 from benchmarks.command_line import PeerError, peer, run
 from benchmarks.identification import CANDIDATES, Comparison, model_of
-from benchmarks.row import HEAD, Row, markdown, markdown_of_cases
+from benchmarks.row import HEAD, Row, table, table_of_cases
 from benchmarks.timing import shortest
 
 from dea.errors import InputError
@@ -53,11 +53,11 @@ def test_a_published_table_names_what_is_missed():
         Row.of_times("good", 1.0, 2.0, 1.0, cases={"DEA1": "1/2", "DEA2": "3/4"}),
         Row("no number", float("nan"), 1.0),
     ]
-    missed = [line.split(" | ")[-1] for line in markdown(rows)[2:]]
+    missed = [line.split(" | ")[-1] for line in table(rows)[2:]]
     lost = "a lower error on DEA1, a lower error on DEA4 |"
     assert missed == ["the target |", lost, " |", "the target |"]
-    assert markdown(rows)[2] == "| slow | 2 s | 1 s | 0.5x | 1x | the target |"
-    head, _, *lines = markdown_of_cases(rows)
+    assert table(rows)[2] == "| slow | 2 s | 1 s | 0.5x | 1x | the target |"
+    head, _, *lines = table_of_cases(rows)
     assert head == "| what | DEA1 | DEA2 |"
     assert lines == ["| worse | 2/1 |  |", "| good | 1/2 | 3/4 |"]
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.markdown import markdown
 from benchmarks.naming.campaign import Said, Tried
 from benchmarks.naming.methods import REFERENCE, methods
 from dea import trials
@@ -128,7 +129,7 @@ def table(tried: Sequence[Tried]) -> list[str]:
     rows.append(["time of a processor (s)", *map(_seconds, found.values())])
     failed = [sum(bool(each.said[name].failed) for each in tried) for name in found]
     rows.append(["trials that it failed on", *map(str, failed)])
-    return _markdown(["measure", *(methods()[name].title for name in found)], rows)
+    return markdown(["measure", *(methods()[name].title for name in found)], rows)
 
 
 def table_of_answers(tried: Sequence[Tried], names: Sequence[str]) -> list[str]:
@@ -143,7 +144,7 @@ def table_of_answers(tried: Sequence[Tried], names: Sequence[str]) -> list[str]:
         ]
         for each in tried
     ]
-    return _markdown(["record", *(methods()[name].title for name in names)], rows)
+    return markdown(["record", *(methods()[name].title for name in names)], rows)
 
 
 def ranked(tried: Sequence[Tried]) -> list[str]:
@@ -193,8 +194,3 @@ def _quartiles(values: np.ndarray) -> str:
         return DASH
     low, middle, high = np.quantile(values, [0.25, 0.5, 0.75], method="inverted_cdf")
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
-
-
-def _markdown(header: list[str], rows: list[list[str]]) -> list[str]:
-    lines = [header, ["---"] * len(header), *rows]
-    return ["| " + " | ".join(cells) + " |" for cells in lines]
