@@ -157,7 +157,7 @@ def _is_from_the_start(
     # Most events have a date, and are far off without it.
     if not moved <= rules.near * candidate.rmse:
         return False
-    shortest = min(problem.lengths or (problem.size,)) * problem.interval
+    shortest = min(each.stop - each.start for each in problem.records) * problem.interval
     if ((own - earliest)[extended.free[instants]] < LONGEST_WARM_UP * shortest).all():
         return True
     # How long it took, or was held, stays: else it could end where the event began.
