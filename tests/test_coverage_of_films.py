@@ -9,7 +9,7 @@ from benchmarks.coverage.film import BENCH, LINES, PERIOD, RATE, judge, truth
 
 from dea.plant import Rig, read_parameters
 from dea.plant.converter import Converter
-from dea.plant.film import rest
+from dea.plant.film import Y, rest
 from dea.plant.small_signal import hold, responses
 
 
@@ -50,6 +50,19 @@ def test_probed_responses_of_a_film_at_rest_are_those_of_its_equations(actuator)
     assert 1.0 / RATE < delay[-1] < 1.5 / RATE
 
 
+@pytest.mark.parametrize("actuator", ["dea1", "dea2"])
+def test_the_probed_rest_is_that_of_the_equations(actuator):
+    """Integrated with the ball at equilibrium, in steps of its own."""
+    parameters = read_parameters(BENCH, actuator)
+    output, gain = parameters.output_converter, parameters.amplifier.gain
+    bias = on_a_count(output, 2.4)
+    rig = Rig(parameters, 1)
+    rig.respond(output.to_counts(np.full(round(300 * RATE), bias)))
+    state = rest(parameters.film, parameters.rest)
+    assert hold(parameters.film, state, gain * bias, 300.0)
+    assert truth(rig, output, bias).rest == pytest.approx(1e3 * state.scalars[Y], abs=2e-4)
+
+
 @pytest.mark.slow
 def test_every_quantity_of_a_record_is_judged():
     found = judge("dea1", 0, 2)
@@ -59,5 +72,6 @@ def test_every_quantity_of_a_record_is_judged():
     assert sizes == {
         "H1 gain": instants * len(LINES), "H1 phase": instants * len(LINES),
         "H2 gain": instants * len(film.PAIRS), "H2 phase": instants * len(film.PAIRS),
+        "rest": instants, "free run": film.INSTANTS,
     }  # fmt: skip
     assert all(np.isin(each, (0.0, 1.0)).all() for each in found.inside.values())

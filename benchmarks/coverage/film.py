@@ -1,9 +1,11 @@
 """Count how often the 95 % bands of a tracked model contain the responses of a virtual actuator.
 
 The virtual actuators are no NARX models: their films creep, and so do their responses. A record is
-driven, identified and tracked with the numbers of the study; at three instants the responses are
-set against those of the film in the state that it has then, which goes on at a constant voltage of
-the excitation's mean pressure, once with small tones and once with their negative. Writes
+driven, identified and tracked with the numbers of the study; at three instants responses and rest
+are set against those of the film in the state that it has then, which goes on at a constant voltage
+of the excitation's mean pressure, without tones, with small ones and with their negative. The free
+run is set against the displacement without noise of the whole record. A film has no parameters of
+a NARX model that theirs could be set against. Writes
 ``results/coverage_film.csv`` and ``.md``; ``--store`` keeps the latter as
 ``docs/measured/coverage_film.json``.
 """
@@ -22,15 +24,15 @@ import dea
 from benchmarks import command_line
 from benchmarks.command_line import add_store, positive, seed_number
 from benchmarks.coverage.campaign import Cell, counted, each_done
-from benchmarks.coverage.judged import Judged, contains, phase_contains
+from benchmarks.coverage.judged import FROM, INSTANTS, Judged, contains, phase_contains
 from benchmarks.coverage.report import rows, written
 from benchmarks.stored import command, store
 from dea.arrays import Array, Complex
 from dea.excitation import design
-from dea.gfrf.bands import ResponseBand, frequency_response_band
+from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import model_error
-from dea.narx import NarxModel
+from dea.narx import Interval, NarxModel
 from dea.plant import SAMPLE_PERIOD, Rig, read_parameters
 from dea.plant.converter import Converter
 from dea.seeds import generator
@@ -51,10 +53,11 @@ PAIRS = ((1, 4), (2, 8), (4, 16))  # of lines, for H2
 
 
 class Truth(NamedTuple):
-    """H1 at LINES in mm/V and H2 at PAIRS in mm/V²."""
+    """H1 at LINES in mm/V, H2 at PAIRS in mm/V², and the rest in mm."""
 
     first: Complex
     second: Complex
+    rest: float
 
 
 def study() -> dict[str, Any]:
@@ -64,7 +67,7 @@ def study() -> dict[str, Any]:
 
 
 def truth(rig: Rig, converter: Converter, bias: float) -> Truth:
-    """Return the responses of a rig in the state that it has, about a constant voltage (V).
+    """Return responses and rest of a rig in the state that it has, about a constant voltage (V).
 
     The ``converter`` is that of its output.
 
@@ -80,7 +83,7 @@ def truth(rig: Rig, converter: Converter, bias: float) -> Truth:
 
     def lines(signal: Array) -> Complex:
         each = np.fft.rfft(signal.reshape(PERIODS, period))[1:, : 2 * LINES[-1] + 1] * 2.0 / period
-        found: Complex = each[0] + 1.5 * (each[0] - each[1])
+        found: Complex = _extended_back(each)
         return found
 
     def both(tones: Array) -> tuple[Complex, Complex, Complex]:
@@ -97,12 +100,19 @@ def truth(rig: Rig, converter: Converter, bias: float) -> Truth:
         return made
 
     u, odd, _ = both(np.sum([tone(line) for line in LINES], axis=0))
-    still = lines(played(np.full(time.size, bias))[1])
+    _, creeping = played(np.full(time.size, bias))
+    still = lines(creeping)
     second = []
     for low, high in PAIRS:
         pair, _, even = both(tone(low) + tone(high))
         second.append((even - still)[low + high] / (pair[low] * pair[high]))
-    return Truth(odd[LINES] / u[LINES], np.array(second))
+    at_rest = _extended_back(creeping.reshape(PERIODS, period)[1:].mean(axis=1))
+    return Truth(odd[LINES] / u[LINES], np.array(second), float(at_rest))
+
+
+def _extended_back(periods: Any) -> Any:
+    """Return what the second and the third period tell of the instant at which the first begins."""
+    return periods[0] + 1.5 * (periods[0] - periods[1])
 
 
 def judge(actuator: str, number: int, seed: int) -> Judged:
@@ -116,6 +126,7 @@ def judge(actuator: str, number: int, seed: int) -> Judged:
     )
     output, reading = parameters.output_converter, parameters.displacement_converter
     counts = output.to_counts(volts)
+    clean = 1e3 * copy.deepcopy(rig).respond(counts)
     identification = chosen["identification"]
     first = round(identification["start"] * RATE)
     at = first + np.round(SHARES * (counts.size - first)).astype(int)
@@ -132,11 +143,14 @@ def judge(actuator: str, number: int, seed: int) -> Judged:
     # Of a voltage on a count of the converter, tones and their negatives are rounded alike.
     pressure = np.array([np.sqrt(np.mean(volts**2))])
     [bias] = output.to_values(output.to_counts(pressure))
-    bands, withheld = tracked_bands(model, u, y, at - first, float(bias), chosen)
+    claimed = tracked_bands(model, u, y, at - first, float(bias), chosen)
     judged: dict[str, list[Array]] = {}
-    for state, both in zip(states[:-1], bands, strict=True):
+    for state, *both, (_, low, high) in zip(
+        states[:-1], claimed.first, claimed.second, claimed.rest, strict=True
+    ):
         true = truth(state, output, float(bias))
-        for label, response, band in zip(("H1", "H2"), true, both, strict=True):
+        judged.setdefault("rest", []).append(contains(np.array([true.rest]), low, high))
+        for label, response, band in zip(("H1", "H2"), true[:2], both, strict=True):
             gain, phase = np.abs(response), np.degrees(np.angle(response))
             judged.setdefault(f"{label} gain", []).append(
                 contains(gain, band.gain_low, band.gain_high)
@@ -144,16 +158,37 @@ def judge(actuator: str, number: int, seed: int) -> Judged:
             judged.setdefault(f"{label} phase", []).append(
                 phase_contains(phase, band.phase_low, band.phase_high)
             )
-    return Judged({name: np.concatenate(each) for name, each in judged.items()}, withheld)
+    along = np.linspace(FROM, y.size - 1, INSTANTS).astype(int)
+    ends = (end[along] for end in claimed.run)
+    judged["free run"] = [contains(clean[first:][along], *ends)]
+    inside = {name: np.concatenate(each) for name, each in judged.items()}
+    return Judged(inside, claimed.withheld)
+
+
+class Claimed(NamedTuple):
+    """Intervals as the study makes them.
+
+    Parameters
+    ----------
+    first, second, rest
+        Those of H1, of H2 and of the rest at each of the instants.
+    run
+        Low and high ends of that of the free run, (samples,).
+    withheld
+        Why there are none, if there are not.
+    """
+
+    first: list[ResponseBand]
+    second: list[ResponseBand]
+    rest: list[Interval]
+    run: tuple[Array, Array]
+    withheld: str
 
 
 def tracked_bands(
     model: NarxModel, u: Array, y: Array, samples: Array, bias: float, chosen: dict[str, Any]
-) -> tuple[list[tuple[ResponseBand, ResponseBand]], str]:
-    """Return the bands of H1 and H2 at these samples as the study makes them, about ``bias``.
-
-    And why there are none, if there are not.
-    """
+) -> Claimed:
+    """Track the parameters of a model, and return its intervals at these samples about ``bias``."""
     tracker = chosen["gfrf"]["tracker"]
     track = dea.track_parameters(
         model, u, y, method=tracker, sampling_rate=RATE, **chosen["tracking"]["trackers"][tracker]
@@ -164,26 +199,31 @@ def tracked_bands(
     lacking = model_error(followed, course, u, y, RATE, excited_above, operating_point=bias)
     instants = Instants.of(track, followed)
     pairs = np.array(PAIRS).T / PERIOD
-    found = []
+    runs = dea.tracking.compare_free_runs(model, {tracker: track}, u, y, window=len(u))
+    run = runs.sel(simulation=tracker)
+    found = Claimed(
+        [],
+        [],
+        [],
+        (run["simulated_low"].values, run["simulated_high"].values),
+        str(track.attrs["withheld"]),
+    )
     for at in instants.nearest(samples / RATE):
-        first, second = (
-            frequency_response_band(
-                followed,
-                order,
-                where,
-                RATE,
-                parameters=instants.theta[at],
-                covariance=instants.covariance[at],
-                operating_point=bias,
-                allow_missing=True,
-            )
-            for order, where in ((1, f), (2, tuple(pairs)))
-        )
+        about: dict[str, Any] = {
+            "parameters": instants.theta[at],
+            "covariance": instants.covariance[at],
+            "operating_point": bias,
+            "allow_missing": True,
+        }
+        first = frequency_response_band(followed, 1, f, RATE, **about)
+        second = frequency_response_band(followed, 2, tuple(pairs), RATE, **about)
         if lacking is not None:
             first = first.widened(*lacking.first(f))
             second = second.widened(*lacking.second(*pairs))
-        found.append((first, second))
-    return found, str(track.attrs["withheld"])
+        found.first.append(first)
+        found.second.append(second)
+        found.rest.append(zero_input_interval(followed, **about))
+    return found
 
 
 def _judge(arguments: tuple[str, int, int]) -> Judged:
