@@ -67,6 +67,15 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
     return recorded(seed)[:2]
 
 
+def test_derivatives_do_not_depend_on_the_number_of_threads():
+    problem, extended = carriage(2)
+    start = np.zeros(extended.free.size)
+    alone = at(problem, extended, start)
+    together = at(replace(problem, threads=3), extended, start)
+    assert np.array_equal(together.jacobian, alone.jacobian)
+    assert np.linalg.matrix_rank(alone.jacobian) == alone.jacobian.shape[1]
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 6])
 def test_the_fit_ends_where_a_simplex_search_from_the_truth_ends(seed):
     problem, extended, truth = recorded(seed)

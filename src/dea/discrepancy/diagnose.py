@@ -74,6 +74,9 @@ if TYPE_CHECKING:
 # Leading candidates that are weighed against each other, and rivals whose confusion is shown. Both
 # were chosen, not measured.
 _WEIGHED, _SHOWN = 14, 8
+# Samples whose simulation takes much longer than a thread needs to start: those that candidates are
+# fitted on are too few at the end of a list.
+_LONG = 10_000
 
 
 def diagnose(
@@ -134,6 +137,8 @@ def diagnose(
     # Split the record, and fit the simulation alone.
     tell("the simulation alone")
     problem, parts, bare = prepare(records, own, settings)
+    if problem.size >= _LONG:
+        problem = replace(problem, threads=workers)
     budget = settings.budget.of(problem.recorded_samples, problem.oversampled)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)

@@ -57,6 +57,8 @@ class Problem(Samples):
         Whether the record is sampled so much faster than it moves that it may be decimated.
     lengths : tuple of int
         Samples of each of several records that are joined; empty for one.
+    threads : int
+        Threads that the derivatives by several parameters are computed on.
     """
 
     fit: np.ndarray
@@ -69,6 +71,7 @@ class Problem(Samples):
     decimation: int = 1
     oversampled: bool = False
     lengths: tuple[int, ...] = ()
+    threads: int = 1
 
     @property
     def recorded_samples(self) -> int:

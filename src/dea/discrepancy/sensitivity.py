@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.simulation import ExtendedSimulation
 
@@ -28,16 +29,18 @@ def sensitivities(
     shaped = extended.shaped(values, problem.u, problem.interval) if which.size else None
     reading = extended.only_read
     here = problem.moved(extended, values, shaped) if reading[which].any() else None
-    result = np.zeros((problem.size, which.size))
-    for column, i in enumerate(which):
+
+    def derivative(i: int) -> np.ndarray:
         moved = coordinates.copy()
         step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
         moved[i] += step
         there = extended.values(moved)
         output = here if reading[i] else problem.moved(extended, there, shaped)
         change = problem.residual(extended, there, output) - residual
-        result[:, column] = change / step if np.isfinite(change).all() else 0.0
-    return result
+        return change / step if np.isfinite(change).all() else np.zeros_like(change)
+
+    columns = in_parallel(derivative, which, problem.threads)
+    return np.array(columns).reshape(which.size, problem.size).T
 
 
 def unabsorbed(J: np.ndarray, noise: float) -> Callable[[np.ndarray], np.ndarray]:
