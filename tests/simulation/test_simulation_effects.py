@@ -914,11 +914,11 @@ def test_softening_grows_with_the_way_and_not_with_time():
     assert np.allclose(forces("cyclic_softening", q), expected)
     resting = forces("cyclic_softening", q, np.full(100, 0.7))
     assert np.allclose(resting, 0.0)
-    law, travelled = catalogue()["cyclic_softening"].force, np.zeros(MEMORY)
+    law = catalogue()["cyclic_softening"]
     q = values("cyclic_softening", softening=0.3, travel=2.0, exponent=0.5)
     for way, exponent in ((0.5, 0.5), (2.0, 1.0), (8.0, 2.0)):
-        travelled[0] = way
-        assert law(0.7, 0.0, travelled, q) == pytest.approx(0.21 * (1 - np.exp(-exponent)))
+        law.update(0.7, 0.7 + way, 1.0, travelled := np.zeros(MEMORY), q)
+        assert law.force(0.7, 0.0, travelled, q) == pytest.approx(0.21 * (1 - np.exp(-exponent)))
 
 
 def test_below_its_largest_stroke_a_material_is_softer_by_the_energy_it_lacks():

@@ -13,21 +13,22 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Part of the elastic force that damage removes.
 
-    ``memory`` holds the travel, and the largest stretch so far. Below that stretch the material is
-    the softer the more energy it lacks. At it, only the part ``regained`` has its force again.
+    ``memory`` holds the travel, the largest stretch so far, and the damage by the travel. Below
+    that stretch the material is the softer the more energy it lacks. At it, only the part
+    ``regained`` has its force again.
     """
-    damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
     stretch = z - q[6]
     largest = max(memory[1], abs(stretch))
     lost = np.tanh((largest * largest - q[5] * stretch * stretch) / (q[4] * q[4]))
-    return float(q[0] * damage * z + q[3] * lost * stretch)
+    return float(q[0] * memory[2] * z + q[3] * lost * stretch)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Add up the travel, and keep the largest stretch."""
+    """Add up the travel, which damages, and keep the largest stretch."""
     memory[0] += abs(z_next - z)
     memory[1] = max(memory[1], abs(z_next - q[6]))
+    memory[2] = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
 
 
 def memory(q: np.ndarray) -> np.ndarray:

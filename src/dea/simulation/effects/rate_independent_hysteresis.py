@@ -48,9 +48,11 @@ def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     growth = _growth(z, q)
     way = z - memory[OPERATORS]
     gained = growth * way
+    decay, remaining = np.exp(-q[2] / OPERATORS), 1.0
     for i in range(OPERATORS):
         limit = growth * _radius(i, q)
-        weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
+        remaining *= decay
+        weight = (i + 1.0) * remaining
         stop = min(max(memory[i] + gained, -limit), limit)
         share = stop / limit if limit != 0.0 else 0.0
         total -= weight * stop * (1.0 + q[6] * share)

@@ -11,15 +11,15 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Part of the elastic force, and of the prestress, that is lost at time ``memory[0]``."""
-    relaxed = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
-    return float(relaxed * (q[0] * z + q[3]))
+    """Part of the elastic force, and of the prestress, that is lost: ``memory[1]``, by the time."""
+    return float(memory[1] * (q[0] * z + q[3]))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Let the time pass."""
     memory[0] += h
+    memory[1] = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
 
 
 def memory(q: np.ndarray) -> np.ndarray:
