@@ -332,12 +332,13 @@ def test_an_input_that_rests_tells_nothing(second):
     assert lacking(second, outputs(second)) is None
 
 
-def test_noise_alone_is_taken_for_an_error_at_one_line_in_a_hundred():
+def test_noise_alone_is_rarely_taken_for_an_error_at_any_line():
+    """In one record in a hundred at a line, if segments that overlap were independent."""
     taken = []
-    for seed in range(12):
-        u = np.random.default_rng(seed).standard_normal(90_000)
+    for seed in range(400):
+        u = np.random.default_rng(seed).standard_normal(8_000)
         y = outputs(u, slow=False)
-        y += 0.1 * np.random.default_rng(100 + seed).standard_normal(u.size)
+        y += 0.1 * np.random.default_rng(1000 + seed).standard_normal(u.size)
         found = lacking(u, y)
-        taken.append(np.mean(found.gain[0] + found.phase[0] > 0.0))
-    assert 0.008 < np.mean(taken) < 0.012
+        taken.append((found.gain[0] + found.phase[0] > 0.0).any())
+    assert 0.005 < np.mean(taken) < 0.05

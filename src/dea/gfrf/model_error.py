@@ -23,7 +23,8 @@ from dea.inputs import by_input
 from dea.missing import filled
 from dea.narx import NarxModel, as_input, simulate_varying
 
-_CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency and around it
+# With which noise alone is taken for an error: at any of the lines, and around each of them.
+_CHANCE = 0.01
 # Deviation of the logarithm of the frequency over which neighbours count: for whether there is an
 # error, and for its size.
 _SEEN, _AROUND = 1.0, 0.5
@@ -189,10 +190,11 @@ def _powers(inputs: Array) -> tuple[Array, NDArray[np.bool_]]:
 def _deviations(found: RelativeError) -> Array:
     """Return the standard deviations (2, regressors, lines) of gain and phase.
 
-    An error counts at a line where it is beyond chance there, and its mean around a line where that
-    is: an error that the noise hides at one line is about as large as at its neighbours. The larger
-    of the two counts, of gain and phase each. Either is the square of what was measured, to which
-    the uncertainty of the measurement is added: so far may the error be.
+    An error counts at a line where it is beyond what chance makes at any line, and its mean around
+    a line where that is beyond chance: an error that the noise hides at one line is about as large
+    as at its neighbours. The larger of the two counts, of gain and phase each. Either is the square
+    of what was measured, to which the uncertainty of the measurement is added: so far may the error
+    be.
     """
     from scipy.stats import f, gamma
 
@@ -203,7 +205,7 @@ def _deviations(found: RelativeError) -> Array:
     # The power of noise over its estimated mean is an F variable of 2 and 2 free degrees: of mean
     # free/(free - 1), and over that of variance free/(free - 2). A mean of lines is nearly a gamma
     # variable of its variance.
-    here = power > f.ppf(1.0 - _CHANCE, 2.0, 2.0 * free) * variance
+    here = power > f.ppf(1.0 - _CHANCE / frequency.size, 2.0, 2.0 * free) * variance
     ratio = np.divide(power, variance, out=np.zeros_like(power), where=variance > 0.0)
     shape = (1.0 - 2.0 / free) / _spread(wide)
     around = (1.0 - 1.0 / free) * ratio @ wide.T > gamma.ppf(1.0 - _CHANCE, shape) / shape
