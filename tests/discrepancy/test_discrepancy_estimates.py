@@ -11,8 +11,9 @@ from scipy.stats import norm
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.steepness import shortened
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.report.estimates import estimates, quoted, uncertainty
+from dea.discrepancy.report.estimates import estimates, quantities, quoted, uncertainty
 from dea.simulation import Attached, Parameter, catalogue
+from dea.simulation.effects import Quantity
 from dea.simulation.page import REFERENCE
 
 
@@ -60,6 +61,32 @@ def test_of_parameters_that_may_be_as_expected_one_is_quoted():
     fit, attached = law_of(PARAMETERS, 0.001 * COORDINATES)
     found = estimates(fit, 0, np.append(DEVIATION[:4], 1.0))
     assert quoted(attached, found) == ("ratio",)
+
+
+def test_what_parameters_amount_to_has_an_interval_by_their_covariance():
+    """A sum may be known better than either part; nothing lies beyond a bound."""
+    fit, attached = law_of(
+        (Parameter("even", "N", 0.0, 1.0, at_port="force"), Parameter("odd", "1", 0.0, 1.0)),
+        np.array([2.0, 1.0]),
+        units={"force": (0.0, 5.0, "mN")},
+        high=2.0,
+    )
+    attached.scales = REFERENCE
+    fit.extended.values = lambda coordinates: coordinates
+    attached.effect.quantities = (
+        Quantity("sum", "even", lambda q, scales: q[0] + q[1] + scales.duration),
+        Quantity("bounded", "odd", lambda q, _: q[0]),
+    )
+    covariance = np.array([[0.2501, -0.25], [-0.25, 0.2501]])
+    unbounded = SimpleNamespace(**{**vars(fit.extended), "bounds": (np.full(2, -9), np.full(2, 9))})
+    free = SimpleNamespace(extended=unbounded, coordinates=fit.coordinates, values=fit.values)
+    found = quantities(free, 0, covariance)["sum"]
+    assert (found.value, found.unit) == (5.0 * (3.0 + REFERENCE.duration), "mN")
+    assert found.high - found.value == pytest.approx(5.0 * END * np.sqrt(2e-4), rel=0.15)
+    assert found.value - found.low == pytest.approx(5.0 * END * np.sqrt(2e-4), rel=0.15)
+    bounded = quantities(fit, 0, covariance)["bounded"]
+    assert bounded.high == 2.0
+    assert bounded.low == pytest.approx(2.0 - END * 0.5, rel=0.15)
 
 
 def test_of_an_event_the_instant_is_quoted():

@@ -440,6 +440,16 @@ def test_a_drift_is_told_by_its_ends():
     assert verdict_sentence(diagnosis, [drift]).startswith(told)
 
 
+def test_a_creep_is_told_by_what_its_branches_amount_to():
+    amounts = {
+        "relaxing_stiffness": Estimate(20.0, "N/m", 15.0, 33.0, 1.0),
+        "half_time": Estimate(3.0, "s", 2.9, 3.1, 1.0),
+    }
+    creep = replace(named("viscoelastic_creep"), quantities=amounts)
+    told = "`viscoelastic_creep` (relaxing stiffness 15 to 33 N/m, half time 3 ± 0.1 s) removes"
+    assert verdict_sentence(found(Status.NAMED, "viscoelastic_creep"), [creep]).startswith(told)
+
+
 def test_a_curve_of_the_reading_is_told_by_its_bend():
     diagnosis = found(Status.NAMED, "sensor_nonlinearity")
     bend = Bend("reading", "mm", -0.3187, "output", "mm", 1.2, 0.9)

@@ -656,6 +656,21 @@ def test_creep_relaxes_as_a_prony_series():
     assert np.allclose(found, expected, rtol=1e-9)
 
 
+def test_what_a_creep_amounts_to_is_what_its_force_loses_after_a_step():
+    """From when the input has crossed its range, and the time at which half of that is lost."""
+    q, *_ = creep(curve=0.5)
+    h, step = 1e-3, 1e-3
+    # A small step from the middle, about which the law is as at rest.
+    held = np.full(round(SCALES.duration / h) + 1, 0.7 + step)
+    force = forces("viscoelastic_creep", q, np.r_[0.7, held], h)[1:]
+    after = (SCALES.u_high - SCALES.u_low) / SCALES.u_rate
+    lost = force[round(after / h) :] - force[round(after / h)]
+    stiffness, half_time = catalogue()["viscoelastic_creep"].quantities
+    assert stiffness.of(q, SCALES) == pytest.approx(lost[-1] / step, rel=0.02)
+    expected = after + np.interp(0.5 * lost[-1], lost, h * np.arange(lost.size))
+    assert half_time.of(q, SCALES) == pytest.approx(expected, rel=0.02)
+
+
 def test_a_stretched_film_relaxes_while_it_does_not_move():
     q, stiffness, tau = creep(stretch=2.0, age=9.0)
     expected = -0.3 * np.exp(-(9.0 + T[:-1, None]) / tau) @ (2.0 * stiffness)

@@ -84,6 +84,8 @@ def tell(ax: Axes, effect: Mapping[str, Any], side: Literal["left", "right"]) ->
     elif bend := effect.get("bend"):
         turned = "opposite sign, " if bend["slope"] < 0.0 else ""
         told.append(f"{turned}bent by up to {bend['largest']:.3g} {style.raised(bend['unit'])}")
+    elif amounts := effect.get("quantities"):
+        told += [_estimate(name, each) for name, each in amounts.items()]
     else:
         told += [_estimate(name, effect["parameters"][name]) for name in effect["quoted"][:_TOLD]]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc=side, pad=_LEGEND_HEIGHT)

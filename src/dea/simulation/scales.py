@@ -66,6 +66,11 @@ class Scales:
         return 0.5 * (self.z_low + self.z_high)
 
     @property
+    def crossing(self) -> float:
+        """Time (s) in which the input crosses its range when it is fastest."""
+        return self.u_span / self.u_rate if self.u_rate else self.interval
+
+    @property
     def slow(self) -> float:
         """Time constant (s) far above the interval, of which the record holds many."""
         return min(100.0 * self.interval, 0.05 * self.duration)

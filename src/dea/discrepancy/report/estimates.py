@@ -5,13 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.confidence import DEVIATIONS
+from dea.confidence import DEVIATIONS, LEVEL
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
 from dea.discrepancy.evidence.steepness import shortened
 from dea.discrepancy.fit import Fit, at_bounds, outside_priors
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.verdict import Estimate
 from dea.simulation import Attached, ExtendedSimulation, Parameter
+
+_DRAWS = 400  # of the coordinates, for the interval of a quantity
 
 
 class Uncertainty(NamedTuple):
@@ -79,6 +81,36 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         turn = (parameter.name != defining, bool(extended.at_start[position]), -estimate.moved)
         found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
+
+
+def quantities(fit: Fit, index: int, covariance: np.ndarray) -> dict[str, Estimate]:
+    """Return what parameters of the attached effect ``index`` amount to, with 95 % intervals.
+
+    The ends are quantiles over draws from the coordinates' normal law of this ``covariance``
+    (k, k), within their bounds.
+    """
+    extended = fit.extended
+    attached, where = extended.attached[index], extended.effect_slices[index]
+    parameters = {each.name: each for each in attached.parameters}
+    variances, axes = np.linalg.eigh(covariance)
+    root = axes * np.sqrt(np.maximum(variances, 0.0))
+    normal = np.random.default_rng(0).standard_normal((_DRAWS, variances.size))
+    drawn = np.clip(fit.coordinates + normal @ root.T, *extended.bounds)
+
+    def values(coordinates: np.ndarray) -> np.ndarray:
+        found: np.ndarray = extended.values(coordinates)[where]
+        return found
+
+    result = {}
+    for quantity in attached.effect.quantities:
+        origin, unit, units = extended.own_unit(attached, parameters[quantity.like])
+        value, prior, *others = (
+            origin + unit * quantity.of(values(each), attached.scales)
+            for each in (fit.coordinates, np.zeros_like(fit.coordinates), *drawn)
+        )
+        low, high = np.quantile(others, (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)))
+        result[quantity.name] = Estimate(value, units, float(low), float(high), prior, origin)
+    return result
 
 
 def estimates_beyond_priors(

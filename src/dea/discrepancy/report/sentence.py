@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
     from dea.discrepancy.fit import Fit
-    from dea.discrepancy.report.verdict import NamedEffect
+    from dea.discrepancy.report.verdict import Estimate, NamedEffect
     from dea.discrepancy.search.candidates import Candidate
 
 # The bin of each quantity that the residual is concentrated in.
@@ -302,7 +302,9 @@ def _main(effect: "NamedEffect") -> str:
     if (change := effect.change) is not None:
         start, end = (_sized(each, change.unit) for each in (change.start, change.end))
         return f"{change.name} {start} at the start and {end} at the end"
-    told = ((name, effect.parameters[name]) for name in effect.quoted[:_QUOTED])
+    told: Iterable[tuple[str, Estimate]] = effect.quantities.items()
+    if not effect.quantities:
+        told = ((name, effect.parameters[name]) for name in effect.quoted[:_QUOTED])
     return ", ".join(
         f"{name.replace('_', ' ')} "
         + estimate(each.value, each.low, each.high, each.unit, at_bound=each.at_bound)

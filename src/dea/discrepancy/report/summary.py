@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
-from dea.discrepancy.report.estimates import estimates, quoted
+from dea.discrepancy.report.estimates import estimates, quantities, quoted
 from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (
     law_too_poor,
@@ -104,6 +104,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 change=_change(found, index),
                 bend=_bend(found, index),
                 quoted=quoted(attached, parameters),
+                quantities=quantities(found.final, index, found.uncertainty.covariance),
             )
         )
     return tuple(result)

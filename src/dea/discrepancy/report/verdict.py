@@ -82,6 +82,8 @@ class NamedEffect:
         Of a curve of the reading, how much it bends.
     quoted
         The parameters that tell what it is, the most telling first.
+    quantities
+        What parameters amount to, where single ones tell nothing: that is stated instead.
     """
 
     name: str
@@ -98,6 +100,7 @@ class NamedEffect:
     change: Change | None = None
     bend: Bend | None = None
     quoted: tuple[str, ...] = ()
+    quantities: dict[str, Estimate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -220,6 +223,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     "change": Change(**effect["change"]) if effect.get("change") else None,
                     "bend": Bend(**effect["bend"]) if effect.get("bend") else None,
                     "quoted": tuple(effect.get("quoted", ())),
+                    "quantities": _estimates(effect.get("quantities", {})),
                     "rivals": tuple(map(parted, effect["rivals"])),
                 }
             )

@@ -4,10 +4,10 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
-from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._effect import Effect, Family, Port, Quantity
 from dea.simulation.effects._laws import low_pass, low_pass_step
 
-__all__ = ["Effect", "Family", "Port", "catalogue", "low_pass", "low_pass_step"]
+__all__ = ["Effect", "Family", "Port", "Quantity", "catalogue", "low_pass", "low_pass_step"]
 
 
 @cache

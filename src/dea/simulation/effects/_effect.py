@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,14 @@ class Family(StrEnum):
 
 
 Law = Callable[..., Any]
+
+
+class Quantity(NamedTuple):
+    """What several parameters of a law amount to: ``of(q, scales)``, in the unit of ``like``."""
+
+    name: str
+    like: str
+    of: Callable[[np.ndarray, Scales], float]
 
 
 @dataclass(frozen=True)
@@ -79,6 +87,8 @@ class Effect:
         The parameter that a verdict states first: the size of the effect, its time or its position.
         Empty where several parameters define it together, as those of a curve, or each one does, as
         the positions of two stops.
+    quantities
+        What a verdict states instead, where single parameters tell nothing.
     """
 
     name: str
@@ -101,6 +111,7 @@ class Effect:
     essential: str = ""
     vanishes_at: Literal["low", "high"] = "low"
     defining: str = ""
+    quantities: tuple[Quantity, ...] = ()
 
     def at_limit(self) -> "Effect":
         """Return the law whose essential parameter, if there is one, is known to be at its bound.

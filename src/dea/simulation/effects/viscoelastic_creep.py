@@ -10,7 +10,7 @@ Steel at High Temperatures).
 import numpy as np
 from numba import float64, njit
 
-from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._effect import Effect, Family, Port, Quantity
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
@@ -76,11 +76,41 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
     memory[_PULL] = pull
 
 
+def _spectrum(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the relaxation times of the branches, and their stiffnesses."""
+    branch = np.arange(BRANCHES)
+    return q[_FIRST] * q[_RATIO] ** branch, q[0] * q[1] ** branch * np.exp(q[_OWN:_START])
+
+
+def _relaxed(q: np.ndarray, scales: Scales, time: float) -> float:
+    """Return the stiffness that relaxes up to a time after a step, more slowly than the input."""
+    tau, stiffness = _spectrum(q)
+    return float(stiffness @ (np.exp(-scales.crossing / tau) - np.exp(-time / tau)))
+
+
+def _relaxing(q: np.ndarray, scales: Scales) -> float:
+    """Return the stiffness that relaxes within the record, more slowly than the input moves.
+
+    A branch that relaxes faster is a damping in this record.
+    """
+    return _relaxed(q, scales, scales.duration)
+
+
+def _half_time(q: np.ndarray, scales: Scales) -> float:
+    """Return the time after a step at which half of that stiffness has relaxed."""
+    early, late = scales.crossing, scales.duration
+    while late - early > 1e-6 * late:
+        middle = 0.5 * (early + late)
+        if _relaxed(q, scales, middle) < 0.5 * _relaxing(q, scales):
+            early = middle
+        else:
+            late = middle
+    return 0.5 * (early + late)
+
+
 def memory(q: np.ndarray) -> np.ndarray:
     """Return the dashpots at the start: how far each has followed a stretch of a certain age."""
-    branch = np.arange(BRANCHES)
-    tau = q[_FIRST] * q[_RATIO] ** branch
-    stiffness = q[0] * q[1] ** branch * np.exp(q[_OWN : _OWN + BRANCHES])
+    tau, stiffness = _spectrum(q)
     dashpots = q[_START] - q[_STRETCH] * np.exp(-q[_AGE] / tau)
     state = np.zeros(MEMORY)
     state[:BRANCHES], state[_STIFFNESS:_PART] = dashpots, stiffness
@@ -151,4 +181,8 @@ EFFECT = Effect(
     memory=memory,
     essential="response",
     defining="stiffness",
+    quantities=(
+        Quantity("relaxing_stiffness", "stiffness", _relaxing),
+        Quantity("half_time", "fastest_time", _half_time),
+    ),
 )
