@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from dea.discrepancy.evidence.law_bands import banded_laws, in_force_unit
+from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
 from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
@@ -148,7 +148,7 @@ def test_a_force_is_drawn_in_the_unit_that_its_parameters_are_told_in():
     parameter = next(p for p in extended.attached[0].parameters if p.name == defining)
     _, size, unit = extended.own_unit(extended.attached[0], parameter)
     assert size != 1.0
-    law = in_force_unit(friction, extended, extended.attached[0])
+    law = in_port_unit(friction, extended, extended.attached[0])
     assert (law.course.value.unit, law.course.value.name) == (unit, "force") == ("V/s^2", "force")
     for scaled, own in (
         (law.course.value.values, friction.course.value.values),
@@ -157,7 +157,22 @@ def test_a_force_is_drawn_in_the_unit_that_its_parameters_are_told_in():
         (law.course.idle, friction.course.idle),
     ):
         np.testing.assert_allclose(scaled, size * own)
-    assert in_force_unit(zone, extended, extended.attached[1]) is zone
+    assert in_port_unit(zone, extended, extended.attached[1]) is zone
     bare = replace(extended.normalisations[0], unit_force=0.0)
     none = replace(extended, normalisations=(bare,))
-    assert in_force_unit(friction, none, extended.attached[0]) is friction
+    assert in_port_unit(friction, none, extended.attached[0]) is friction
+
+
+def test_a_stiffness_that_relaxes_is_drawn_in_the_unit_that_it_is_told_in():
+    fit = extended_by("viscoelastic_creep")
+    extended = fit.extended
+    [creep] = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
+    stiffness = next(p for p in extended.attached[0].parameters if p.name == "stiffness")
+    _, size, unit = extended.own_unit(extended.attached[0], stiffness)
+    assert size != 1.0
+    law = in_port_unit(creep, extended, extended.attached[0])
+    assert (law.course.value.unit, law.course.value.name) == (unit, "relaxed stiffness")
+    assert unit != "1"
+    np.testing.assert_allclose(law.course.value.values, size * creep.course.value.values)
+    np.testing.assert_allclose(law.high, size * creep.high)
+    assert np.ptp(law.course.value.values) > 0.0

@@ -310,6 +310,26 @@ def test_a_drift_is_told_by_its_ends_above_its_course():
     assert ax.get_title("right").splitlines()[1:] == ["factor on gain 1 to 0.804"]
 
 
+def test_a_creep_is_drawn_over_the_time_after_a_step_and_told_by_what_it_amounts_to():
+    said = verdict()
+    amount = {"value": 20.0, "unit": "Pa", "low": 18.0, "high": 22.0, "prior": 1.0}
+    amount |= {"origin": 0.0, "at_bound": False, "moved": 0.0}
+    said["effects"][0]["quantities"] = {"relaxing_stiffness": amount}
+    after = np.geomspace(0.5, 60.0, TIME.size)
+    named = {"long_name": "time after a step", "units": "s"}
+    relaxing = CERTIFICATE.assign(law_1_along=("time", after, named))
+    figure = discrepancy(LOCALISATION, CANDIDATES, relaxing, said)
+    ax = figure.axes[4]
+    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "time after a step (s)")
+    assert ax.get_xlim() == pytest.approx((0.5, 60.0))
+    figure.draw_without_rendering()
+    labelled = [text.get_text() for text in ax.get_xticklabels()]
+    assert {"1", "10"} <= set(labelled)
+    [law] = [line for line in ax.lines if line.get_label() == "law"]
+    np.testing.assert_allclose(law.get_xdata(), after)
+    assert ax.get_title("right").splitlines()[1:] == ["relaxing stiffness = 20 ± 2 Pa"]
+
+
 def test_a_curve_is_told_by_its_bend_above_it():
     said = verdict()
     said["effects"][0]["bend"] = {

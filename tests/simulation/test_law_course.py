@@ -82,7 +82,6 @@ def test_a_force_of_the_position_is_shown_over_the_position():
     ("name", "law"),
     [
         ("stress_relaxation", {"relaxation": 0.5, "time": 2.0, "exponent": 0.8, "prestress": 0.3}),
-        ("viscoelastic_creep", {"stiffness": 0.1, "start_position": -0.5, "stretch": 0.3}),
         ("second_mode", {"frequency": 0.8, "damping_ratio": 0.1, "start_position": 0.4}),
     ],
 )
@@ -100,6 +99,28 @@ def test_a_memory_of_time_has_gone_through_the_lead_in(name, law):
         np.testing.assert_allclose(getattr(found, axis).values, whole, rtol=1e-9, atol=1e-12)
     change = found.value.values - without.value.values
     assert np.abs(change[:50]).max() > 0.1 * np.ptp(found.value.values)
+
+
+def test_creep_is_shown_as_the_stiffness_that_it_loses_after_a_step():
+    """As its compiled force loses it, from when the input could have crossed its range."""
+    law = {"stiffness": 0.1, "branch_3": 1.0}
+    extended, values = attached(("viscoelastic_creep", law))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    effect, scales = extended.attached[0].effect, extended.attached[0].scales
+    q, step, h = values[extended.effect_slices[0]], 1e-4, 1e-3
+    memory, held = effect.memory(q), scales.z_middle + step
+    effect.update(scales.z_middle, held, h, memory, q)
+    force = []
+    for _ in range(round(SAMPLES * INTERVAL / h)):
+        force.append(effect.force(held, 0.0, memory, q))
+        effect.update(held, held, h, memory, q)
+    early = round(scales.crossing / h)
+    lost = (np.array(force) - force[early]) / step
+    times, size = course.along.values, course.value.values.max()
+    assert (times[0], times[-1]) == pytest.approx((scales.crossing, scales.duration))
+    expected = np.interp(times, h * (1 + np.arange(len(force))), lost)
+    np.testing.assert_allclose(course.value.values, expected, atol=0.02 * size)
+    assert size > 0.05
 
 
 def test_a_loop_begins_with_the_record_and_not_with_the_lead_in():

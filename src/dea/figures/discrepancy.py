@@ -96,6 +96,8 @@ def discrepancy(
         parameters(laws[0], effects)
     _presence(present, verdict, candidates)
     for ax in (series, runs, where, *laws):
+        if ax.get_xscale() == "log":
+            continue
         beside = len(laws) > 1 and ax in laws
         ax.xaxis.set_major_locator(MaxNLocator(_TICKS_BESIDE if beside else _TICKS))
     style.panel_letters([series, runs, where, ladder])

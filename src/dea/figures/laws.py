@@ -29,6 +29,8 @@ _OF_A_METRE = {"mm": 1e3, "µm": 1e6, "um": 1e6}
 _ROOM = 1.0
 # Powers of a thousand that numbers along an axis are written with in full.
 _PLAIN = -3, 3
+# What a law that relaxes is drawn over, on a logarithmic axis.
+_AFTER_A_STEP = "time after a step"
 # Height of the ticks that mark the samples of a law, in parts of its axis.
 _RUG = 0.03
 
@@ -43,7 +45,8 @@ def shape(ax: Axes, certificate: xr.Dataset, number: int, unit: str) -> None:
     names = [f"law_{number}_{part}" for part in ("along", "value", "low", "high", "idle")]
     along_units = certificate[names[0]].attrs["units"]
     value_units = certificate[names[1]].attrs["units"]
-    over_time = certificate[names[0]].attrs["long_name"] == "time"
+    called = certificate[names[0]].attrs["long_name"]
+    over_time = called in ("time", _AFTER_A_STEP)
     if not over_time:
         certificate = certificate.isel(time=certificate["role"].values != Role.UNUSED)
     parts = [
@@ -59,6 +62,9 @@ def shape(ax: Axes, certificate: xr.Dataset, number: int, unit: str) -> None:
     ax.plot(along, idle, color=style.GREY, ls="--", lw=0.8, label="without it")
     if not over_time:
         ax.vlines(along, 0.0, _RUG, color=style.BLACK, lw=0.15, transform=ax.get_xaxis_transform())
+    if called == _AFTER_A_STEP:
+        ax.set(xscale="log", xlim=(along[0], along[-1]))
+        style.plain_log_ticks(ax.xaxis)
     _leave_room_for_law(ax, np.concatenate([value, idle]), float(low.min()), float(high.max()))
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")

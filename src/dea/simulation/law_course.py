@@ -28,7 +28,7 @@ class LawCourse(NamedTuple):
     """What a law acts on, what it makes of it, and the same where it had no effect.
 
     An event changes several quantities. ``quantity`` is the one shown: the input, the drive, the
-    reading or a force.
+    reading, a force or a stiffness.
     """
 
     along: Axis
@@ -55,7 +55,8 @@ def law_courses(
     """Return the course of each effect attached, in their order.
 
     A force is shown along the position, so that a loop is seen as one, or along the velocity if it
-    does not look at the position. There is none where its port has no position, or is not the
+    does not look at the position; of one that relaxes the stiffness that it has lost is shown, over
+    the time after a step. There is none where its port has no position, or is not the
     simulation's first. Of an event the quantity is shown that it changes most, in any record.
 
     Parameters
@@ -162,11 +163,21 @@ def _scaled(drive: str, time: np.ndarray, factor: np.ndarray) -> LawCourse:
 def _pushed(
     extended: Extended, attached: Attached, q: np.ndarray, z: np.ndarray, interval: float
 ) -> LawCourse | None:
-    """Return a force along the motion ``z`` at the first port, which the lead-in begins."""
+    """Return a force along the motion ``z`` at the first port, which the lead-in begins.
+
+    Or what it loses after a step, if it is shown so.
+    """
     effect, framed = attached.effect, extended.frame_of(attached)
     if attached.place or effect.force is None or framed is None:
         return None
     frame, unit = framed
+    if effect.relaxed is not None:
+        scales = attached.scales
+        count = z.size - extended.lead(interval)
+        after = np.geomspace(scales.crossing, scales.duration, count)
+        lost = effect.relaxed(q, after, scales)
+        axes = Axis(after, "time after a step", "s"), Axis(lost, "relaxed / elastic stiffness", "1")
+        return LawCourse(*axes, np.zeros(after.size), "stiffness")
     port = extended.simulation.force_ports[attached.place]
     lead, w = extended.lead(interval), np.gradient(z) / interval
     # What remembers the motion alone begins with the record, as in the integrator.

@@ -67,8 +67,8 @@ class Scales:
 
     @property
     def crossing(self) -> float:
-        """Time (s) in which the input crosses its range when it is fastest."""
-        return self.u_span / self.u_rate if self.u_rate else self.interval
+        """Time (s) in which a fast input crosses its range, at most a tenth of the record."""
+        return min(self.u_span / max(self.u_rate, 1e-300), 0.1 * self.duration)
 
     @property
     def slow(self) -> float:

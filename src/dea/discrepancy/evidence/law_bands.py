@@ -63,17 +63,24 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
     return banded
 
 
-def in_force_unit(law: BandedLaw, extended: ExtendedSimulation, attached: Attached) -> BandedLaw:
+def in_port_unit(law: BandedLaw, extended: ExtendedSimulation, attached: Attached) -> BandedLaw:
     """Return a law whose force is in the unit of its port, as the verdict gives its parameters.
 
-    One that is no force stays as it is, and so does a force where the port has no unit.
+    So is the stiffness that a force has lost. Another law stays as it is, and so does a force where
+    the port has no unit.
     """
-    size, unit = extended.force_unit(attached) if law.course.quantity == "force" else (1.0, "1")
+    size, unit, name = 1.0, "1", law.course.quantity
+    if name == "force":
+        size, unit = extended.force_unit(attached)
+    elif name == "stiffness":
+        [like] = (each for each in attached.parameters if each.name == name)
+        _, size, unit = extended.own_unit(attached, like)
+        name = "relaxed stiffness"
     if unit == "1":
         return law
     made = law.course.value
     course = law.course._replace(
-        value=made._replace(values=size * made.values, name="force", unit=unit),
+        value=made._replace(values=size * made.values, name=name, unit=unit),
         idle=size * law.course.idle,
     )
     return BandedLaw(course, size * law.low, size * law.high)

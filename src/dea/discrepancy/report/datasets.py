@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.diagnosis import Diagnosis
-from dea.discrepancy.evidence.law_bands import banded_laws, in_force_unit
+from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
@@ -158,7 +158,7 @@ def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
     extended = diagnosis.final.extended
     for number, (found_law, attached) in enumerate(zip(laws, extended.attached, strict=True), 1):
         if found_law is not None:
-            law = in_force_unit(found_law, extended, attached)
+            law = in_port_unit(found_law, extended, attached)
             along, made = law.course.along, law.course.value
             columns = (
                 ("along", along.values, along.unit, along.name),

@@ -89,6 +89,9 @@ class Effect:
         the positions of two stops.
     quantities
         What a verdict states instead, where single parameters tell nothing.
+    relaxed
+        ``relaxed(q, times, scales)`` returns the stiffness that a force has lost at times after a
+        step, which is shown instead of the force.
     """
 
     name: str
@@ -112,6 +115,7 @@ class Effect:
     vanishes_at: Literal["low", "high"] = "low"
     defining: str = ""
     quantities: tuple[Quantity, ...] = ()
+    relaxed: Callable[[np.ndarray, np.ndarray, Scales], np.ndarray] | None = None
 
     def at_limit(self) -> "Effect":
         """Return the law whose essential parameter, if there is one, is known to be at its bound.

@@ -82,18 +82,25 @@ def _spectrum(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return q[_FIRST] * q[_RATIO] ** branch, q[0] * q[1] ** branch * np.exp(q[_OWN:_START])
 
 
-def _relaxed(q: np.ndarray, scales: Scales, time: float) -> float:
-    """Return the stiffness that relaxes up to a time after a step, more slowly than the input."""
+def relaxed(q: np.ndarray, times: np.ndarray, scales: Scales) -> np.ndarray:
+    """Return the stiffness (n,) that relaxes up to times (n,) after a step.
+
+    What has relaxed until the input could have crossed its range does not count: it is a damping in
+    this record.
+    """
     tau, stiffness = _spectrum(q)
-    return float(stiffness @ (np.exp(-scales.crossing / tau) - np.exp(-time / tau)))
+    later = np.maximum(times, scales.crossing)[:, None]
+    found: np.ndarray = (np.exp(-scales.crossing / tau) - np.exp(-later / tau)) @ stiffness
+    return found
+
+
+def _relaxed(q: np.ndarray, time: float, scales: Scales) -> float:
+    return float(relaxed(q, np.array([time]), scales)[0])
 
 
 def _relaxing(q: np.ndarray, scales: Scales) -> float:
-    """Return the stiffness that relaxes within the record, more slowly than the input moves.
-
-    A branch that relaxes faster is a damping in this record.
-    """
-    return _relaxed(q, scales, scales.duration)
+    """Return the stiffness that relaxes within the record."""
+    return _relaxed(q, scales.duration, scales)
 
 
 def _half_time(q: np.ndarray, scales: Scales) -> float:
@@ -101,7 +108,7 @@ def _half_time(q: np.ndarray, scales: Scales) -> float:
     early, late = scales.crossing, scales.duration
     while late - early > 1e-6 * late:
         middle = 0.5 * (early + late)
-        if _relaxed(q, scales, middle) < 0.5 * _relaxing(q, scales):
+        if _relaxed(q, middle, scales) < 0.5 * _relaxing(q, scales):
             early = middle
         else:
             late = middle
@@ -185,4 +192,5 @@ EFFECT = Effect(
         Quantity("relaxing_stiffness", "stiffness", _relaxing),
         Quantity("half_time", "fastest_time", _half_time),
     ),
+    relaxed=relaxed,
 )
