@@ -7,7 +7,7 @@ import pytest
 
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import cost_of, fit
+from dea.discrepancy.fit import at, cost_of, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
@@ -52,6 +52,37 @@ def test_an_event_in_the_certified_block_is_dated_there(truth, guess):
     assert rmse(dated.residual, problem.certify) < 1.5 * NOISE
     others = ~dated.extended.events
     assert np.allclose(dated.coordinates[others], fitted.coordinates[others], atol=1e-12)
+
+
+@pytest.mark.parametrize("samples", [2, 4])
+def test_an_event_that_a_fit_left_a_few_samples_outside_is_dated_in_the_certified_block(samples):
+    """A step of the gain just before the block hardly moves a mass in the samples that are left."""
+    extended = prepared(load_simulation("mass_spring_damper"), INPUT, INTERVAL, 1e-4)
+    law = catalogue()["step_fault"]
+    first = np.flatnonzero(PARTS.certify)[0]
+    last_seen = INTERVAL * np.flatnonzero((PARTS.fit | PARTS.select)[:first])[-1]
+
+    def broken(scales, instant):
+        made = extended.attach(law, scales)
+        event = (instant, -0.3, 0.0, INTERVAL, 0.0, *ENDS[::-1], 0.0, *ENDS, 6.0, 1.2, 0.0)
+        start = made.attached[0].started(event)
+        own = extended.values(np.zeros(extended.free.size))
+        return made, np.concatenate([own, start])
+
+    masks = PARTS.fit, PARTS.select, PARTS.certify
+    problem = Problem(INPUT, INPUT, INTERVAL, *masks, NOISE, 1e-4, extended.substeps)
+    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    made, truth = broken(scales, certified(0.6))
+    y = made.simulate(truth, INPUT, INTERVAL)
+    y += NOISE * np.random.default_rng(2).standard_normal(SIZE)
+    problem = replace(problem, y=y)
+    made, left = broken(scales, last_seen - samples * INTERVAL)
+    fitted = at(problem, made, made.coordinates(left))
+    assert rmse(fitted.residual, problem.certify) > 20 * NOISE
+    dated = with_events_dated(problem, fitted)
+    instant = dated.values[dated.extended.names.index("step_fault.instant")]
+    assert instant == pytest.approx(certified(0.6), abs=3 * INTERVAL)
+    assert rmse(dated.residual, problem.certify) < 1.5 * NOISE
 
 
 def test_an_event_that_seen_samples_date_stays():

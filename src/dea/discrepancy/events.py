@@ -1,12 +1,24 @@
 """Events that no seen sample dates: they happened around the certified block."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit
 from dea.discrepancy.problem import Problem
 
-# Instants that are tried in the stretch around the certified block, before the best is refined.
-_TRIED = 64
+# Instants that are tried in the stretch around the certified block, and around the best of these.
+_TRIED, _AROUND = 64, 41
+# Rise of the seen samples' misfit, in that of a sample, up to which an instant does as well.
+_AS_WELL = 10.0
+
+
+class _Start(NamedTuple):
+    """Coordinates (k,), their cost, and the instant (s) that they have other than the fit's own."""
+
+    coordinates: np.ndarray
+    cost: float
+    place: float | None = None
 
 
 def with_events_dated(problem: Problem, fitted: Fit) -> Fit:
@@ -15,20 +27,20 @@ def with_events_dated(problem: Problem, fitted: Fit) -> Fit:
     An event between the last seen sample before the certified block and the first one after it
     explains the seen samples about as well at any instant between them. Its instant and how long
     it took are then fitted to all samples; all else stays as it was fitted to the seen ones. The
-    fit itself is returned if there is no such event, if no other instant is better, or of several
-    records.
+    fit may have ended a few samples outside, where the device has hardly moved yet. It is
+    returned itself if there is no such event, if no other instant is better, or of several records.
     """
     extended = fitted.extended
     if len(fitted.records) > 1 or not problem.certify.any():
         return fitted
-    early, late = _undated(problem)
+    tried = np.linspace(*_undated(problem), _TRIED)
     for part in extended.effect_slices:
         events, instants = (
             [i for i in extended.free[those] if part.start <= i < part.stop]
             for those in (extended.events, extended.instants)
         )
-        if any(early <= fitted.values[i] <= late for i in instants):
-            fitted = _dated(problem, fitted, events, instants, np.linspace(early, late, _TRIED))
+        if instants:
+            fitted = _dated(problem, fitted, events, instants, tried)
     return fitted
 
 
@@ -46,13 +58,32 @@ def _dated(
 ) -> Fit:
     """Return the fit with the ``events`` (places of parameters) of one effect as all samples say.
 
-    They start where a fit to the seen samples left them, or at one of the instants ``tried`` (s).
+    They start where a fit to the seen samples left them, or at one of the instants ``tried`` (s)
+    that explains these as well, or at a better one around that.
     """
     extended, whole = fitted.extended, problem.whole()
-    values = np.tile(fitted.values, (tried.size + 1, 1))
-    values[1:, instants] = tried[:, np.newaxis]
-    starts = [extended.coordinates(each) for each in values]
-    costs = [cost_of(whole.residual(extended, extended.values(x)), x, whole) for x in starts]
+    left = cost_of(fitted.residual, fitted.coordinates, whole)
+    seen = cost_of(fitted.residual, fitted.coordinates, problem)
+    inside = any(tried[0] <= fitted.values[i] <= tried[-1] for i in instants)
+    most = np.inf if inside else seen * (1.0 + _AS_WELL / problem.seen.sum())
+
+    def best_of(places: np.ndarray, before: _Start) -> _Start:
+        found = before
+        for place in places:
+            values = fitted.values.copy()
+            values[instants] = place
+            x, residual = extended.coordinates(values), problem.residual(extended, values)
+            cost = cost_of(residual, x, whole)
+            if cost < found.cost and cost_of(residual, x, problem) <= most:
+                found = _Start(x, cost, place)
+        return found
+
+    start = best_of(tried, _Start(fitted.coordinates, left))
+    if start.place is not None:
+        around = np.linspace(-1.0, 1.0, _AROUND) * (tried[1] - tried[0])
+        start = best_of(start.place + around, start)
+    elif not inside:
+        return fitted
     held = np.array([i not in events for i in extended.free])
-    best = fit(whole, extended, starts[int(np.argmin(costs))], columns=Columns(held=held))
-    return at(problem, extended, best.coordinates) if best.cost < costs[0] else fitted
+    best = fit(whole, extended, start.coordinates, columns=Columns(held=held))
+    return at(problem, extended, best.coordinates) if best.cost < left else fitted
