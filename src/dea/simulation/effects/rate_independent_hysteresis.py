@@ -9,6 +9,8 @@ from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 OPERATORS = 11
+# Place in the memory of the weights of the stops.
+_WEIGHTS = OPERATORS + 2
 
 
 @njit(float64(float64, VECTOR), cache=True, error_model="numpy")
@@ -29,6 +31,11 @@ def _radius(i: int, q: np.ndarray) -> float:
     return float(q[1] * ((i + 1.0) / OPERATORS) ** 2)
 
 
+@njit(float64(int64, VECTOR), cache=True, error_model="numpy")
+def _weight(i: int, q: np.ndarray) -> float:
+    return float((i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS))
+
+
 @njit(float64(float64, float64, VECTOR), cache=True, error_model="numpy")
 def _turned(part: float, way: float, q: np.ndarray) -> float:
     """Return the part of its limit that Duhem's force has after a way."""
@@ -40,19 +47,17 @@ def _turned(part: float, way: float, q: np.ndarray) -> float:
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Stop operators and a force of Duhem's type, in parallel.
 
-    ``memory`` holds the forces of the stops, the last position and the part of its limit that the
-    other force has. With ``skew`` each resists more at its upper limit than at its lower one, so
-    that the loop has unlike branches.
+    ``memory`` holds the forces of the stops, the last position, the part of its limit that the
+    other force has, and the weights of the stops. With ``skew`` each resists more at its upper
+    limit than at its lower one, so that the loop has unlike branches.
     """
     total = 0.0
     growth = _growth(z, q)
     way = z - memory[OPERATORS]
     gained = growth * way
-    decay, remaining = np.exp(-q[2] / OPERATORS), 1.0
     for i in range(OPERATORS):
         limit = growth * _radius(i, q)
-        remaining *= decay
-        weight = (i + 1.0) * remaining
+        weight = memory[_WEIGHTS + i]
         stop = min(max(memory[i] + gained, -limit), limit)
         share = stop / limit if limit != 0.0 else 0.0
         total -= weight * stop * (1.0 + q[6] * share)
@@ -78,6 +83,7 @@ def memory(q: np.ndarray) -> np.ndarray:
     """Return no force at the start position."""
     state = np.zeros(MEMORY)
     state[OPERATORS] = q[3]
+    state[_WEIGHTS : _WEIGHTS + OPERATORS] = [_weight(i, q) for i in range(OPERATORS)]
     return state
 
 
