@@ -152,25 +152,54 @@ def test_what_is_dropped_leaves_the_probability_of_another_explanation_as_it_is(
     )
 
 
-def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
-    """It has a weight, and no explanation that could predict the next record."""
-    known = knowledge({"none": 0.1, "a": 0.4, ANOTHER: 0.5})
-    spread = SimpleNamespace(informed="told", log_density=0.0)
-    fitted = {"none": "fitted", "a": "fitted", "new": "fitted"}
+def stubbed(monkeypatch, known, densities, shares):
+    """Let a record be predicted with these logarithmic densities; each diagnosis fits anew."""
     stubs = {
         "signals_of": lambda record, simulation: SimpleNamespace(u=np.zeros(10), interval=0.1),
         "_errors_on": lambda known, samples: (None, ()),
-        "predicted": lambda explanation, samples, error: spread,
+        "predicted": lambda explanation, samples, error: SimpleNamespace(
+            informed="told", log_density=densities.pop(0)
+        ),
         "_not_offered": lambda *arguments: 0.0,
         "_offered": lambda *arguments: (),
         "diagnose": lambda records, simulation, **options: known.diagnosis,
         "_law_error": lambda found: None,
-        "_explanations": lambda found: fitted,
-        "_shares": lambda found: {"a": 0.9, "new": 0.05, "dropped": 0.05},
+        "_explanations": lambda found: {"none": "fitted", "a": "fitted", "new": "fitted"},
+        "_shares": lambda found: shares,
     }
     for name, stub in stubs.items():
         monkeypatch.setattr(f"dea.resolution.weighing.{name}", stub)
-    after, _ = learnt(known, None, Inquiry(None, None, Settings(), Options()))
+
+
+INQUIRY = Inquiry(None, None, Settings(), Options())
+
+
+def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
+    """It has a weight, and no explanation that could predict the next record."""
+    known = knowledge({"none": 0.1, "a": 0.4, ANOTHER: 0.5})
+    stubbed(monkeypatch, known, [0.0] * 7, {"a": 0.9, "new": 0.05, "dropped": 0.05})
+    after, _ = learnt(known, None, INQUIRY)
     assert set(after.posterior.now) - {ANOTHER} == set(after.explanations)
     assert "new" in after.explanations
     assert "dropped" not in after.posterior.now
+
+
+@pytest.mark.parametrize(
+    ("kind", "again"),
+    [({}, True), ({"whole": False}, False), ({"status": "unknown", "names": ()}, False)],
+)
+def test_what_all_records_have_at_another_minimum_is_judged_once_more(monkeypatch, kind, again):
+    """It was rejected as the first record had it; the next record tells whether it is right."""
+    known = knowledge({"a": 0.5, ANOTHER: 0.5}, **kind)
+    known.diagnosis.decision.chosen = SimpleNamespace(labels=("a",)) if kind == {} else None
+    stubbed(monkeypatch, known, [-100.0] * 6, {"a": 1.0})
+    once, _ = learnt(known, None, INQUIRY)
+    assert once.outcome(0.01) is (ResolutionOutcome.OPEN if again else ResolutionOutcome.OUTSIDE)
+    assert (once.withdrawn is None) == again
+    if not again:
+        return
+    assert once.posterior.now["a"] == pytest.approx(0.5)
+    assert once.explanations["a"] == "fitted"
+    stubbed(monkeypatch, known, [-100.0] * 7, {"a": 1.0})
+    twice, _ = learnt(once, None, INQUIRY)
+    assert twice.outcome(0.01) is ResolutionOutcome.OUTSIDE

@@ -90,7 +90,8 @@ class Knowledge:
     """What is known after some records.
 
     ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
-    ``withdrawn`` is the outcome where it leaves no effect, so that no name is given.
+    ``withdrawn`` is the outcome where it leaves no effect, so that no name is given. ``anew`` are
+    the hypotheses that were rejected, found at another minimum, and offered a second time.
     """
 
     records: "tuple[Record | xr.Dataset, ...]"
@@ -100,6 +101,7 @@ class Knowledge:
     error: LawError
     driven: float = 0.0
     withdrawn: ResolutionOutcome | None = None
+    anew: frozenset[str] = frozenset()
 
     @cached_property
     def verdict(self) -> Verdict:

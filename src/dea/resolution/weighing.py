@@ -77,16 +77,38 @@ def learnt(
     found = diagnose(records, inquiry.simulation, settings=offered, workers=inquiry.workers)
     fitted = _explanations(found)
     shares = _shares(found)
+    again = _found_anew(known, posterior, found, options) & set(fitted)
     new = {name: shares.get(name, 0.0) for name in fitted if name not in posterior.now}
+    new |= dict.fromkeys(again, 1.0)
     posterior = posterior.with_new(_parts(new), ANOTHER)
     explanations = {name: each.informed for name, each in told.items()} | {
         name: each for name, each in fitted.items() if name in posterior.now
     }
     driven = known.driven + samples.u.size * samples.interval
-    after = Knowledge(records, found, explanations, posterior, _law_error(found), driven)
+    anew = known.anew | again
+    after = Knowledge(
+        records, found, explanations, posterior, _law_error(found), driven, anew=anew
+    )
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
+
+
+def _found_anew(
+    known: Knowledge, posterior: Posterior, found: Diagnosis, options: Options
+) -> set[str]:
+    """Return the verdict's explanation if only another one is left, and it had been rejected once.
+
+    A fit to the first records may have ended in a minimum that does not predict others. Where all
+    records together have the same effects at another one, that is another explanation, which the
+    next record judges. One that is rejected again is not offered a third time.
+    """
+    verdict = found.verdict
+    if posterior.left(options.level) != {ANOTHER} or verdict.status != Status.NAMED:
+        return set()
+    if not verdict.whole or found.decision.chosen is None:
+        return set()
+    return {_name(found.decision.chosen)} & set(posterior.now) - known.anew
 
 
 def _prior(shares: Mapping[str, float], names: Sequence[str], another: float) -> dict[str, float]:
