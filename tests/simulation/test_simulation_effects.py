@@ -518,12 +518,14 @@ def test_charge_leakage_solves_its_differential_equation(growth, quickening):
     )  # fmt: skip
 
     def speed(field):
-        return np.exp(quickening * abs(field) / 4.0) / tau
+        return np.exp(quickening * abs(field) / 4.0) / (tau * (1.0 + loss))
 
     def target(field):
         return loss * np.exp(growth * (abs(field) / 4.0 - 1.0)) * field
 
-    lost, expected = part * target(U[0]), []
+    # At the start the part of what is lost in the end, as far as the loss does not grow on the way.
+    whole = target(U[0]) / U[0]
+    lost, expected = part * U[0] * whole / (1.0 + whole), []
     for u in U:
         total = 0.0
         for _ in range(fine):
@@ -546,9 +548,11 @@ def test_half_the_interval_leaves_a_quarter_of_the_error_of_a_leaking_charge(qui
     def slope(_, x, level):
         field = level - x[0]
         target = loss * np.exp(growth * (abs(field) / peak - 1.0)) * field
-        return [(target - x[0]) * np.exp(quickening * abs(field) / peak) / tau, field]
+        speed = np.exp(quickening * abs(field) / peak) / (tau * (1.0 + loss))
+        return [(target - x[0]) * speed, field]
 
-    lost, expected = 0.5 * loss * np.exp(growth * (u[0] / peak - 1.0)) * u[0], []
+    whole = loss * np.exp(growth * (u[0] / peak - 1.0))
+    lost, expected = 0.5 * whole / (1.0 + whole) * u[0], []
     for level in u:
         solved = solve_ivp(
             slope, (0, interval), [lost, 0.0], "LSODA", args=(level,), rtol=1e-9, atol=1e-11
@@ -579,6 +583,24 @@ def test_a_leaking_charge_settles_under_a_held_input(growth, quickening, start_p
     )  # fmt: skip
     found = catalogue()["charge_leakage"].shape_input(u, q, DT)
     np.testing.assert_allclose(found[-200:], np.sign(level) * settled, rtol=1e-9)
+
+
+@pytest.mark.parametrize("tau", [0.5, 3.0])
+def test_a_charge_that_leaks_as_a_whole_is_a_high_pass_filter(tau):
+    q = values(
+        "charge_leakage", loss=1e3, field_growth=0.0, time_constant=tau, start_part=1.0
+    )  # fmt: skip
+    found = catalogue()["charge_leakage"].shape_input(U, q, DT)
+    # Over a step at a held input, the mean of what a capacitor in series leaves.
+    after, decay = [], np.exp(-DT / tau)
+    charge = U[0]
+    for u in U:
+        after.append((u - charge) * tau / DT * (1.0 - decay))
+        charge = u + (charge - u) * decay
+    np.testing.assert_allclose(found, after, atol=3e-3 * np.ptp(U))
+    lost, time_constant = catalogue()["charge_leakage"].quantities
+    assert lost.of(q, SCALES) == pytest.approx(1000.0 / 1001.0)
+    assert time_constant.of(q, SCALES) == tau
 
 
 # Moduli of a creep's branches over the first one's 0.05, and what the film has gone through.

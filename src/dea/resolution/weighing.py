@@ -86,9 +86,7 @@ def learnt(
     }
     driven = known.driven + samples.u.size * samples.interval
     anew = known.anew | again
-    after = Knowledge(
-        records, found, explanations, posterior, _law_error(found), driven, anew=anew
-    )
+    after = Knowledge(records, found, explanations, posterior, _law_error(found), driven, anew=anew)
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities

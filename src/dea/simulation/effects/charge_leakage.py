@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._effect import Effect, Family, Port, Quantity
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -12,8 +12,9 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Lose a part of the field that grows with its size and builds up with a time constant.
 
-    At a higher field, which lowers the resistance, that may be shorter. The field is the input less
-    the loss. The loss at the start of the record is unknown.
+    That is the time constant of the field where the loss does not grow: a large loss is that of a
+    high-pass filter. At a higher field, which lowers the resistance, it may be shorter. The field
+    is the input less the loss. The loss at the start of the record is unknown.
 
     A step is the exponential one of Rosenbrock and Euler in a time that runs with the rate. It
     goes no further than a step of Newton's method towards the field at which the loss stays, so
@@ -21,14 +22,15 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """
     loss, growth, tau, peak, started, quickening = q[0], q[1], q[2], q[3], q[4], q[5]
     result = np.empty(u.size)
-    lost = started * loss * np.exp(growth * (abs(u[0]) / peak - 1.0)) * u[0]
+    at_start = loss * np.exp(growth * (abs(u[0]) / peak - 1.0))
+    lost = started * at_start / (1.0 + at_start) * u[0]
     for k in range(u.size):
         field = u[k] - lost
         grown = growth * abs(field) / peak
         lossy = loss * np.exp(grown - growth)
         slope = 1.0 + lossy * (1.0 + grown)
         distance = (lossy * field - lost) / slope
-        steps = slope * interval / tau
+        steps = slope * interval / (tau * (1.0 + loss))
         if quickening > 0.0:
             # The rate in the middle of the step, which one at the rate of its start predicts.
             early = steps * np.exp(quickening * abs(field) / peak)
@@ -41,19 +43,28 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the loss at full field, its growth, its time constant at no field.
+    """Return the loss over the field at full field, its growth, and its time constant.
 
     Then its part at the start, and the logarithm of how much faster it builds up at full field.
     """
     dt, peak = scales.interval, scales.u_peak
     return (
-        Parameter("loss", "1", 0.1, 1.0, 1e-4, 0.9, log=True),
+        Parameter("loss", "1", 0.1, 1.0, 1e-4, 1e3, log=True),
         Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0, shape=True),
         Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
         Parameter("full_field", scales.u_unit, peak, 0.0),
         Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0, at_start=True),
         Parameter("quickening", "1", 0.0, 1.0, 0.0, 8.0, shape=True),
     )
+
+
+def _lost_part(q: np.ndarray, _: Scales) -> float:
+    """Return the part of an input that is lost in the end where it leaves the full field."""
+    return float(q[0] / (1.0 + q[0]))
+
+
+def _time_constant(q: np.ndarray, _: Scales) -> float:
+    return float(q[2])
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
@@ -77,4 +88,8 @@ EFFECT = Effect(
     # At its shortest time the input's curve is bent, and no charge leaks.
     essential="time_constant",
     defining="loss",
+    quantities=(
+        Quantity("lost_part", "loss", _lost_part),
+        Quantity("time_constant", "time_constant", _time_constant),
+    ),
 )
