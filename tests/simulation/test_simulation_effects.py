@@ -1205,6 +1205,27 @@ def test_a_part_of_a_step_may_be_taken_back_at_once_or_slowly():
     assert np.allclose(effect.shape_output(np.zeros(7), t, slow, DT), 0.05 * left)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_bent_reading_never_falls_while_the_output_rises(seed):
+    """Whatever its modes; a curve that nowhere falls as fast as the output rises is as they say."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-2.0, 0.5)
+    modes = {f"mode_{n}": size * m for n, m in enumerate(rng.standard_normal(11), 1)}
+    q = values("sensor_nonlinearity", **modes, fold=SCALES.y_low - 10.0)
+    y = np.linspace(SCALES.y_low, SCALES.y_high, 2001)
+    read = catalogue()["sensor_nonlinearity"].shape_output(y, y, q, DT)
+    assert np.diff(read).min() > 0.0
+    # Uniform cubic B-splines over the range of the output.
+    half, weights = 0.5 * (SCALES.y_high - SCALES.y_low), curve_modes()[0] @ q[:11]
+    knots = SCALES.y_low + half * 2.0 / 9.0 * np.arange(-3, 13)
+    bent = y + half * BSpline(knots, weights, 3)(np.minimum(y, y[-1] - 1e-12))
+    steepest = np.diff(weights).min() * 9.0 / 2.0
+    if steepest > -0.98:
+        np.testing.assert_allclose(read, bent, atol=1e-9)
+    else:
+        assert np.abs(read - bent).max() > 1e-6
+
+
 def test_sensor_nonlinearity_bends_and_folds():
     law = catalogue()["sensor_nonlinearity"].shape_output
     for place in (0.0, 0.7):

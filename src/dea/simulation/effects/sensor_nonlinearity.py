@@ -12,6 +12,7 @@ from dea.simulation.scales import Scales
 # of a mode, the straight one: the simulation's own gain has taken most of it.
 _PIECES, _BEND, _STRAIGHT = 9, 0.05, 0.1
 MODES = _PIECES + 2
+_STEEPEST = 0.98  # part of the output's own slope that the curve takes away at most
 
 
 @njit(cache=True, error_model="numpy")
@@ -34,10 +35,22 @@ def curve_modes() -> tuple[np.ndarray, np.ndarray]:
     return smooth_modes(_PIECES, _BEND, _STRAIGHT)
 
 
+def _rising(weights: np.ndarray) -> np.ndarray:
+    """Return the weights of a curve, nowhere as steep that the reading would fall.
+
+    The slope of a spline is a mean of the differences of its weights.
+    """
+    steps = np.maximum(np.diff(weights), -_STEEPEST * 2.0 / _PIECES)
+    risen = np.concatenate([[0.0], np.cumsum(steps)])
+    middle = weights.size // 2
+    result: np.ndarray = risen + weights[middle] - risen[middle]
+    return result
+
+
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Fold the output at a place, and bend it by a smooth curve."""
     fold, corner, middle, half = q[MODES:]
-    result: np.ndarray = _read(y, curve_modes()[0] @ q[:MODES], fold, corner, middle, half)
+    result: np.ndarray = _read(y, _rising(curve_modes()[0] @ q[:MODES]), fold, corner, middle, half)
     return result
 
 
