@@ -31,18 +31,28 @@ def test_probed_responses_do_not_depend_on_the_steps_of_the_converter(actuator):
         np.testing.assert_allclose(coarse, fine, rtol=4e-3)
 
 
-@pytest.mark.parametrize("actuator", ["dea1", "dea2"])
-def test_probed_responses_of_a_film_at_rest_are_those_of_its_equations(actuator):
-    """The equations are linearised; the instruments add a delay, and a part in 500."""
+def held(actuator):
+    """A rig that has been held at a voltage for five minutes, and the same state by its equations.
+
+    The voltage lies on a count of the output converter. The equations are integrated with the ball
+    at equilibrium, in steps of their own.
+    """
     parameters = read_parameters(BENCH, actuator)
-    output, gain = parameters.output_converter, parameters.amplifier.gain
+    output = parameters.output_converter
     bias = on_a_count(output, 2.4)
     rig = Rig(parameters, 1)
     rig.respond(output.to_counts(np.full(round(300 * RATE), bias)))
-    found = truth(rig, output, bias).first
     state = rest(parameters.film, parameters.rest)
-    assert hold(parameters.film, state, gain * bias, 300.0)
-    f = LINES / PERIOD
+    assert hold(parameters.film, state, parameters.amplifier.gain * bias, 300.0)
+    return parameters, bias, rig, state
+
+
+@pytest.mark.parametrize("actuator", ["dea1", "dea2"])
+def test_probed_responses_of_a_film_at_rest_are_those_of_its_equations(actuator):
+    """The equations are linearised; the instruments add a delay, and a part in 500."""
+    parameters, bias, rig, state = held(actuator)
+    gain, f = parameters.amplifier.gain, LINES / PERIOD
+    found = truth(rig, parameters.output_converter, bias).first
     expected = 1e3 * gain * responses(parameters.film, state, gain * bias, f).first
     np.testing.assert_allclose(np.abs(found / expected), 1.0, atol=4e-3)
     delay = -np.angle(found / expected) / (2.0 * np.pi * f)
@@ -52,15 +62,9 @@ def test_probed_responses_of_a_film_at_rest_are_those_of_its_equations(actuator)
 
 @pytest.mark.parametrize("actuator", ["dea1", "dea2"])
 def test_the_probed_rest_is_that_of_the_equations(actuator):
-    """Integrated with the ball at equilibrium, in steps of its own."""
-    parameters = read_parameters(BENCH, actuator)
-    output, gain = parameters.output_converter, parameters.amplifier.gain
-    bias = on_a_count(output, 2.4)
-    rig = Rig(parameters, 1)
-    rig.respond(output.to_counts(np.full(round(300 * RATE), bias)))
-    state = rest(parameters.film, parameters.rest)
-    assert hold(parameters.film, state, gain * bias, 300.0)
-    assert truth(rig, output, bias).rest == pytest.approx(1e3 * state.scalars[Y], abs=2e-4)
+    parameters, bias, rig, state = held(actuator)
+    found = truth(rig, parameters.output_converter, bias).rest
+    assert found == pytest.approx(1e3 * state.scalars[Y], abs=2e-4)
 
 
 @pytest.mark.slow
