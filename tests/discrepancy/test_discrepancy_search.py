@@ -62,7 +62,7 @@ PRESENT = {
     "sensor_lag": {"time_constant": 0.12},
     "stress_relaxation": {"relaxation": 0.3, "time": 10.0},
     "viscoelastic_creep": {"stiffness": 0.2},
-    "charge_leakage": {"loss": 0.2, "field_growth": 3.0, "time_constant": 2.0},
+    "charge_leakage": {"loss": 0.2, "field_growth": 3.0, "settling_time": 2.0},
 }
 
 

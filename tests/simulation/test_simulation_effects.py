@@ -513,7 +513,7 @@ def test_a_sensor_that_lags_is_at_rest_before_the_record():
 def test_charge_leakage_solves_its_differential_equation(growth, quickening):
     loss, tau, part, fine = 0.3, 2.0, 0.4, 200
     q = values(
-        "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=part,
+        "charge_leakage", loss=loss, field_growth=growth, settling_time=tau, start_part=part,
         full_field=4.0, quickening=quickening,
     )  # fmt: skip
 
@@ -541,7 +541,7 @@ def test_half_the_interval_leaves_a_quarter_of_the_error_of_a_leaking_charge(qui
     loss, growth, tau, peak, interval = 0.5, 4.0, 1.0, 3.0, 0.1
     u = 0.3 + 3.0 * np.sin(0.15 * np.arange(80))
     q = values(
-        "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=0.5,
+        "charge_leakage", loss=loss, field_growth=growth, settling_time=tau, start_part=0.5,
         full_field=peak, quickening=quickening,
     )  # fmt: skip
 
@@ -574,7 +574,7 @@ def test_a_leaking_charge_settles_under_a_held_input(growth, quickening, start_p
     """The shortest time constant and the largest loss: the field settles where the loss stays."""
     loss, peak, u = 0.9, 3.0, np.full(2000, level)
     q = values(
-        "charge_leakage", loss=loss, field_growth=growth, time_constant=10 * DT, full_field=peak,
+        "charge_leakage", loss=loss, field_growth=growth, settling_time=10 * DT, full_field=peak,
         start_part=start_part, quickening=quickening,
     )  # fmt: skip
     settled = brentq(
@@ -588,7 +588,7 @@ def test_a_leaking_charge_settles_under_a_held_input(growth, quickening, start_p
 @pytest.mark.parametrize("tau", [0.5, 3.0])
 def test_a_charge_that_leaks_as_a_whole_is_a_high_pass_filter(tau):
     q = values(
-        "charge_leakage", loss=1e3, field_growth=0.0, time_constant=tau, start_part=1.0
+        "charge_leakage", loss=1e3, field_growth=0.0, settling_time=tau, start_part=1.0
     )  # fmt: skip
     found = catalogue()["charge_leakage"].shape_input(U, q, DT)
     # Over a step at a held input, the mean of what a capacitor in series leaves.

@@ -51,7 +51,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("loss", "1", 0.1, 1.0, 1e-4, 1e3, log=True),
         Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0, shape=True),
-        Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
+        Parameter("settling_time", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
         Parameter("full_field", scales.u_unit, peak, 0.0),
         Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0, at_start=True),
         Parameter("quickening", "1", 0.0, 1.0, 0.0, 8.0, shape=True),
@@ -63,7 +63,7 @@ def _lost_part(q: np.ndarray, _: Scales) -> float:
     return float(q[0] / (1.0 + q[0]))
 
 
-def _time_constant(q: np.ndarray, _: Scales) -> float:
+def _settling_time(q: np.ndarray, _: Scales) -> float:
     return float(q[2])
 
 
@@ -86,10 +86,10 @@ EFFECT = Effect(
     starts=starts,
     shape_input=law,
     # At its shortest time the input's curve is bent, and no charge leaks.
-    essential="time_constant",
+    essential="settling_time",
     defining="loss",
     quantities=(
         Quantity("lost_part", "loss", _lost_part),
-        Quantity("time_constant", "time_constant", _time_constant),
+        Quantity("time_constant", "settling_time", _settling_time),
     ),
 )
