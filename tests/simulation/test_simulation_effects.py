@@ -598,9 +598,9 @@ def test_a_charge_that_leaks_as_a_whole_is_a_high_pass_filter(tau):
         after.append((u - charge) * tau / DT * (1.0 - decay))
         charge = u + (charge - u) * decay
     np.testing.assert_allclose(found, after, atol=3e-3 * np.ptp(U))
-    lost, time_constant = catalogue()["charge_leakage"].quantities
+    lost, settling = catalogue()["charge_leakage"].quantities
     assert lost.of(q, SCALES) == pytest.approx(1000.0 / 1001.0)
-    assert time_constant.of(q, SCALES) == tau
+    assert settling.of(q, SCALES) == tau
 
 
 # Moduli of a creep's branches over the first one's 0.05, and what the film has gone through.

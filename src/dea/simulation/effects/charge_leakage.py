@@ -90,6 +90,6 @@ EFFECT = Effect(
     defining="loss",
     quantities=(
         Quantity("lost_part", "loss", _lost_part),
-        Quantity("time_constant", "settling_time", _settling_time),
+        Quantity("settling_time", "settling_time", _settling_time),
     ),
 )

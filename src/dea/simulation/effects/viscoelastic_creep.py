@@ -82,37 +82,33 @@ def _spectrum(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return q[_FIRST] * q[_RATIO] ** branch, q[0] * q[1] ** branch * np.exp(q[_OWN:_START])
 
 
-def relaxed(q: np.ndarray, times: np.ndarray, scales: Scales) -> np.ndarray:
-    """Return the stiffness (n,) that relaxes up to times (n,) after a step.
+def relaxed(q: np.ndarray, times: np.ndarray | float, scales: Scales) -> np.ndarray:
+    """Return the stiffness that relaxes up to ``times`` (any shape) after a step.
 
     What has relaxed until the input could have crossed its range does not count: it is a damping in
     this record.
     """
     tau, stiffness = _spectrum(q)
-    later = np.maximum(times, scales.crossing)[:, None]
-    found: np.ndarray = (np.exp(-scales.crossing / tau) - np.exp(-later / tau)) @ stiffness
+    first, later = scales.crossing, np.maximum(times, scales.crossing)
+    found: np.ndarray = (np.exp(-first / tau) - np.exp(-np.divide.outer(later, tau))) @ stiffness
     return found
-
-
-def _relaxed(q: np.ndarray, time: float, scales: Scales) -> float:
-    return float(relaxed(q, np.array([time]), scales)[0])
 
 
 def _relaxing(q: np.ndarray, scales: Scales) -> float:
     """Return the stiffness that relaxes within the record."""
-    return _relaxed(q, scales.duration, scales)
+    return float(relaxed(q, scales.duration, scales))
 
 
 def _half_time(q: np.ndarray, scales: Scales) -> float:
     """Return the time after a step at which half of that stiffness has relaxed."""
-    early, late = scales.crossing, scales.duration
-    while late - early > 1e-6 * late:
-        middle = 0.5 * (early + late)
-        if _relaxed(q, middle, scales) < 0.5 * _relaxing(q, scales):
-            early = middle
-        else:
-            late = middle
-    return 0.5 * (early + late)
+    from scipy.optimize import brentq
+
+    half = 0.5 * _relaxing(q, scales)
+
+    def beyond_half(time: float) -> float:
+        return float(relaxed(q, time, scales)) - half
+
+    return float(brentq(beyond_half, scales.crossing, scales.duration))
 
 
 def memory(q: np.ndarray) -> np.ndarray:
