@@ -199,15 +199,7 @@ def tracked_bands(
     lacking = model_error(followed, course, u, y, RATE, excited_above, operating_point=bias)
     instants = Instants.of(track, followed)
     pairs = np.array(PAIRS).T / PERIOD
-    runs = dea.tracking.compare_free_runs(model, {tracker: track}, u, y, window=len(u))
-    run = runs.sel(simulation=tracker)
-    found = Claimed(
-        [],
-        [],
-        [],
-        (run["simulated_low"].values, run["simulated_high"].values),
-        str(track.attrs["withheld"]),
-    )
+    first, second, rests = [], [], []
     for at in instants.nearest(samples / RATE):
         about: dict[str, Any] = {
             "parameters": instants.theta[at],
@@ -215,15 +207,18 @@ def tracked_bands(
             "operating_point": bias,
             "allow_missing": True,
         }
-        first = frequency_response_band(followed, 1, f, RATE, **about)
-        second = frequency_response_band(followed, 2, tuple(pairs), RATE, **about)
+        H1 = frequency_response_band(followed, 1, f, RATE, **about)
+        H2 = frequency_response_band(followed, 2, tuple(pairs), RATE, **about)
         if lacking is not None:
-            first = first.widened(*lacking.first(f))
-            second = second.widened(*lacking.second(*pairs))
-        found.first.append(first)
-        found.second.append(second)
-        found.rest.append(zero_input_interval(followed, **about))
-    return found
+            H1 = H1.widened(*lacking.first(f))
+            H2 = H2.widened(*lacking.second(*pairs))
+        first.append(H1)
+        second.append(H2)
+        rests.append(zero_input_interval(followed, **about))
+    runs = dea.tracking.compare_free_runs(model, {tracker: track}, u, y, window=len(u))
+    run = runs.sel(simulation=tracker)
+    ends = run["simulated_low"].values, run["simulated_high"].values
+    return Claimed(first, second, rests, ends, str(track.attrs["withheld"]))
 
 
 def _judge(arguments: tuple[str, int, int]) -> Judged:
