@@ -102,7 +102,7 @@ def test_a_memory_of_time_has_gone_through_the_lead_in(name, law):
 
 
 def test_creep_is_shown_as_the_stiffness_that_it_loses_after_a_step():
-    """As its compiled force loses it, from when the input could have crossed its range."""
+    """As its compiled force loses it, from when the motion could have crossed its range."""
     law = {"stiffness": 0.1, "branch_3": 1.0}
     extended, values = attached(("viscoelastic_creep", law))
     [course] = law_courses(extended, values, U, INTERVAL)

@@ -679,13 +679,13 @@ def test_creep_relaxes_as_a_prony_series():
 
 
 def test_what_a_creep_amounts_to_is_what_its_force_loses_after_a_step():
-    """From when the input has crossed its range, and the time at which half of that is lost."""
+    """From when the motion has crossed its range, and the time at which half of that is lost."""
     q, *_ = creep(curve=0.5)
     h, step = 1e-3, 1e-3
     # A small step from the middle, about which the law is as at rest.
     held = np.full(round(SCALES.duration / h) + 1, 0.7 + step)
     force = forces("viscoelastic_creep", q, np.r_[0.7, held], h)[1:]
-    after = (SCALES.u_high - SCALES.u_low) / SCALES.u_rate
+    after = (SCALES.z_high - SCALES.z_low) / SCALES.z_rate
     lost = force[round(after / h) :] - force[round(after / h)]
     stiffness, half_time = catalogue()["viscoelastic_creep"].quantities
     assert stiffness.of(q, SCALES) == pytest.approx(lost[-1] / step, rel=0.02)

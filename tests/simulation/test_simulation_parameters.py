@@ -137,6 +137,10 @@ def test_scales_are_those_of_the_record_and_of_the_motion():
     # The carriage follows its slow input to either side: one at the largest excursion.
     assert max(found.z_high, -found.z_low) == pytest.approx(1.0)
     assert min(found.z_high, -found.z_low) > 0.9
+    # It follows each step of the input within the first of its two intervals.
+    assert found.z_rate == pytest.approx(2.0 * np.pi, rel=0.1)
+    assert found.crossing == pytest.approx(found.z_span / found.z_rate)
+    assert replace(found, duration=2.0).crossing == 0.2
 
 
 def test_a_simulation_that_does_not_move_takes_the_scale_of_its_prior():

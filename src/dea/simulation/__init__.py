@@ -12,6 +12,7 @@ from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import TIMING_OFFSET, Parameter
 from dea.simulation.preparation import (
+    MotionRange,
     measured_scales,
     motion,
     prepared,
@@ -38,6 +39,7 @@ __all__ = [
     "Input",
     "InputInterpolation",
     "LawCourse",
+    "MotionRange",
     "Normalisation",
     "Parameter",
     "Port",

@@ -25,6 +25,7 @@ REFERENCE = Scales(
     frequencies=(0.83, 1.3),
     foreign_frequencies=(1.9, 4.7),
     jumps=(37.0, 59.0),
+    z_rate=0.41,
 )
 _HEAD = """# Parameters of the laws
 
@@ -37,6 +38,7 @@ The values follow from the record. Here they are those of one with
 * an input from {u_low:g} to {u_high:g} {u_unit}, hardly ever faster than {u_rate:g} {u_unit}/s,
 * an output from {y_low:g} to {y_high:g} {y_unit},
 * a normalised position, 0 at rest and 1 at the largest excursion, from {z_low:g} to {z_high:g},
+  hardly ever faster than {z_rate:g} per s,
 * a sample every {interval:g} s for {duration:g} s,
 * a residual with lines at {lines} Hz, and at {foreign} Hz, which the input does not have, and
 * jumps of the residual at {instants} s.

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -180,33 +180,47 @@ def measured_scales(
     count from 0. ``values`` (parameters,) are those of all parameters.
     """
     own = extended.simulation
-    z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
+    moved = motion(extended, values, record, force_port) if own.force_ports else MotionRange()
     placed = not own.force_ports or own.force_ports[force_port].position is not None
     normalisations = extended.normalisations
     u = by_input(record.u)[at_input]
-    rate = np.abs(np.diff(u)) / record.interval
     return Scales(
         u_unit=own.inputs[at_input].unit,
         y_unit=own.output_unit,
         u_low=float(u.min()),
         u_high=float(u.max()),
-        u_rate=float(np.quantile(rate[rate > 0], 0.98)) if rate.any() else 0.0,
+        u_rate=_fast(u, record.interval),
         y_low=float(record.y.min()),
         y_high=float(record.y.max()),
-        z_low=z_low,
-        z_high=z_high,
+        z_low=moved.low,
+        z_high=moved.high,
         interval=record.interval,
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
         smooth=extended.input_interpolation == "smooth",
         placed=placed,
         inertia=normalisations[force_port].inertia if normalisations else 0.0,
+        z_rate=moved.rate,
     )
+
+
+def _fast(signal: np.ndarray, interval: float) -> float:
+    """Return the rate per second that a signal (n,) which changes hardly ever exceeds."""
+    rate = np.abs(np.diff(signal)) / interval
+    return float(np.quantile(rate[rate > 0], 0.98)) if rate.any() else 0.0
+
+
+class MotionRange(NamedTuple):
+    """Lowest and highest normalised position, and the rate (1/s) that it hardly ever exceeds."""
+
+    low: float = 0.0
+    high: float = 1.0
+    rate: float = 0.0
 
 
 def motion(
     extended: ExtendedSimulation, values: np.ndarray, record: Sampled, force_port: int
-) -> tuple[float, float]:
-    """Return the lowest and highest normalised position at a force port, without any effect.
+) -> MotionRange:
+    """Return the range of the normalised position at a force port, without any effect.
 
     It is simulated at ``values`` (parameters,); where it hardly moves there, at the prior means.
     ``force_port`` counts from 0.
@@ -223,7 +237,7 @@ def motion(
     if not np.ptp(z) >= _STILL * np.ptp(z_prior):
         z = z_prior
     low, high = float(z.min()), float(z.max())
-    return low, high if high > low else low + 1.0
+    return MotionRange(low, high if high > low else low + 1.0, _fast(z, record.interval))
 
 
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:

@@ -8,12 +8,13 @@ class Scales:
     """Typical sizes in a record, to which the priors and starting values of effects refer.
 
     Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
-    force balance (zero at rest, one at the largest excursion of the nominal simulation). Of a
-    residual, ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an
-    input which repeats does not have, and ``jumps`` the instants at which it changes (s). An
-    input is ``smooth`` if it is band-limited, and not held, between samples. A force balance is
-    ``placed`` if a state is its position, and not a rate alone. Its ``inertia`` (s^2) is the unit
-    of force over the acceleration of ``z`` that this causes, and zero where an elastic force holds
+    force balance (zero at rest, one at the largest excursion of the nominal simulation), which is
+    hardly ever faster than ``z_rate`` (1/s), as the input than ``u_rate``. Of a residual,
+    ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an input which
+    repeats does not have, and ``jumps`` the instants at which it changes (s). An input is
+    ``smooth`` if it is band-limited, and not held, between samples. A force balance is ``placed``
+    if a state is its position, and not a rate alone. Its ``inertia`` (s^2) is the unit of force
+    over the acceleration of ``z`` that this causes, and zero where an elastic force holds
     the place.
     """
 
@@ -34,6 +35,7 @@ class Scales:
     smooth: bool = False
     placed: bool = True
     inertia: float = 0.0
+    z_rate: float = 0.0
 
     @property
     def u_span(self) -> float:
@@ -67,8 +69,9 @@ class Scales:
 
     @property
     def crossing(self) -> float:
-        """Time (s) in which a fast input crosses its range, at most a tenth of the record."""
-        return min(self.u_span / max(self.u_rate, 1e-300), 0.1 * self.duration)
+        """Time (s) in which a fast motion crosses its range, at most a tenth of the record."""
+        longest = 0.1 * self.duration
+        return min(self.z_span / self.z_rate, longest) if self.z_rate else longest
 
     @property
     def slow(self) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.sensitivity import unabsorbed
-from dea.simulation import Effect, ExtendedSimulation, Scales, motion
+from dea.simulation import Effect, ExtendedSimulation, MotionRange, Scales, motion
 
 # Starts that get cheap steps beyond the kept ones, and fits that go on after them beyond the two
 # that are used: both are ranked only roughly.
@@ -26,7 +26,7 @@ class Base:
     """A fit to start from, what its parameters cannot absorb of a change, and of its residual.
 
     ``output`` (n,) is its output before gain, zero and effects of the sensor. ``motions`` are the
-    lowest and highest position at each force port, without any effect. Two fits of one simulation,
+    ranges of the position at each force port, without any effect. Two fits of one simulation,
     with other zeros of the sensor, may have no position in common.
     """
 
@@ -34,7 +34,7 @@ class Base:
     output: np.ndarray
     remainder: Callable[[np.ndarray], np.ndarray]
     left: np.ndarray
-    motions: tuple[tuple[float, float], ...]
+    motions: tuple[MotionRange, ...]
 
     @classmethod
     def of(cls, problem: Problem, fitted: Fit) -> "Base":
@@ -76,12 +76,13 @@ class Offer:
         """Return the simulation of a base with the effect, whose scales hold the base's motion."""
         scales = self.scales
         if base.motions and not self.effect.on_input:
-            low, high = base.motions[self.place]
+            moved = base.motions[self.place]
             port = base.fit.extended.simulation.force_ports[self.place]
             scales = replace(
                 scales,
-                z_low=low,
-                z_high=high,
+                z_low=moved.low,
+                z_high=moved.high,
+                z_rate=moved.rate,
                 placed=port.position is not None,
                 inertia=base.fit.extended.normalisations[self.place].inertia,
             )

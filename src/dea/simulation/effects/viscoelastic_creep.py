@@ -85,8 +85,8 @@ def _spectrum(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def relaxed(q: np.ndarray, times: np.ndarray | float, scales: Scales) -> np.ndarray:
     """Return the stiffness that relaxes up to ``times`` (any shape) after a step.
 
-    What has relaxed until the input could have crossed its range does not count: it is a damping in
-    this record.
+    What has relaxed until the motion could have crossed its range does not count: in this record it
+    is a damping.
     """
     tau, stiffness = _spectrum(q)
     first, later = scales.crossing, np.maximum(times, scales.crossing)
