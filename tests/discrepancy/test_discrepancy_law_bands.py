@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
@@ -107,7 +108,7 @@ def test_a_law_without_a_course_has_no_band_and_the_others_keep_theirs():
 @pytest.mark.parametrize(
     "name", ["coulomb_friction", "rate_independent_hysteresis", "strain_stiffening"]
 )
-def test_the_compiled_course_of_a_force_is_that_of_its_functions(name):
+def test_the_course_of_a_force_is_that_in_the_middle_of_its_steps(name):
     fit = extended_by(name)
     fit = replace(fit, coordinates=np.full(fit.coordinates.size, 0.3))
     [course] = courses_of(fit, fit.coordinates)
@@ -118,10 +119,17 @@ def test_the_compiled_course_of_a_force_is_that_of_its_functions(name):
     if effect.memory is not None:
         memory = effect.memory(q)
     z = fit.extended.run(fit.values, U, INTERVAL)[1]
-    w = np.gradient(z) / INTERVAL
-    for k in range(z.size):
-        assert course.value.values[k] == effect.force(z[k], w[k], memory, law)
-        effect.update(z[k], z[min(k + 1, z.size - 1)], INTERVAL, memory, law)
+    h = INTERVAL / effect.refine
+    halves = CubicSpline(np.arange(z.size), z)(np.arange(0, z.size - 0.9, 0.5 / effect.refine))
+    effect.update(z[0], z[0], 0.5 * h, memory, law)
+    pushes = []
+    for start, middle, end in zip(halves[:-2:2], halves[1:-1:2], halves[2::2], strict=True):
+        pushes.append(effect.force(middle, (end - start) / h, memory, law))
+        effect.update(start, end, h, memory, law)
+    middles = (np.arange(len(pushes)) + 0.5) / effect.refine
+    expected = np.interp(np.arange(z.size), middles, pushes)
+    error = course.value.values - expected
+    assert np.abs(error).max() < 1e-3 * np.ptp(expected)
 
 
 def test_the_band_of_an_event_is_of_what_is_shown():

@@ -4,8 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 
-from dea.simulation import catalogue, law_courses, measured_scales, prepared
+from dea.simulation import (
+    catalogue,
+    law_courses,
+    measured_scales,
+    prepared,
+)
 from made_carriage import CARRIAGE
 
 INTERVAL, SAMPLES = 0.02, 1000
@@ -68,6 +74,26 @@ def test_a_force_that_does_not_look_at_the_position_is_shown_over_the_velocity()
     expected = -0.2 * np.sign(course.along.values[moving])
     assert np.mean(np.isclose(course.value.values[moving], expected, rtol=0.05)) > 0.95
     assert course.along.unit == "V/s"
+
+
+def assert_pushes(course, extended, pushed):
+    """The force is that which the motion lacks, after the second of the start."""
+    [unit] = extended.normalisations
+    error = (course.value.values * unit.unit_force - pushed)[50:]
+    assert np.std(error) < 0.05 * np.std(pushed[50:])
+
+
+@pytest.mark.parametrize("frequency", [1.0, 2.5])
+def test_a_second_mass_pulls_as_the_motion_of_the_first_one_tells(frequency):
+    extended, values = attached(("second_mode", {"frequency": frequency}))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    motion = make_interp_spline(TIME, extended.simulate(values, U, INTERVAL), 5)
+    slope, pushed = np.empty(2), np.empty(SAMPLES)
+    for k, t in enumerate(TIME):
+        state = np.array([motion(t), motion(t, 1)])
+        SPRING.compiled_derivative(state, U[k], SPRING.nominal, slope)
+        pushed[k] = motion(t, 2) - slope[1]
+    assert_pushes(course, extended, pushed)
 
 
 def test_a_force_of_the_position_is_shown_over_the_position():

@@ -13,7 +13,7 @@ from dea.simulation.parameter import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR, first_class
 from dea.simulation.timing import shifted
 
-_ARGUMENTS = VECTOR, VECTOR, float64, VECTOR, VECTOR
+_ARGUMENTS = VECTOR, float64, VECTOR, VECTOR
 
 
 class Axis(NamedTuple):
@@ -186,7 +186,7 @@ def _pushed(
     law[: q.size] = q
     memory = np.zeros(MEMORY) if effect.memory is None else effect.memory(q)
     laws = first_class(effect.force), first_class(effect.update)
-    push = _push(*laws, z[begin:], w[begin:], interval, memory, law)[lead - begin :]
+    push = _push(*laws, z[begin:], interval, effect.refine, memory, law)[lead - begin :]
     z, w = z[lead:], w[lead:]
     along = (
         Axis(z * frame.scale + frame.rest, str(port.position), unit)
@@ -196,23 +196,51 @@ def _pushed(
     return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size), "force")
 
 
+def _push(
+    force: Any,
+    update: Any,
+    z: np.ndarray,
+    interval: float,
+    refine: int,
+    memory: np.ndarray,
+    q: np.ndarray,
+) -> np.ndarray:
+    """Return a force at each sample of a motion ``z`` (n,); its memory moves on.
+
+    As in the integrator, the force is that in the middle of a step, of which an interval has
+    ``refine``. A sample has the mean of the steps beside it.
+    """
+    fine = z
+    for _ in range(1 + int(np.log2(refine))):
+        fine = _halved(fine)
+    push: np.ndarray = _in_steps(force, update, fine, interval / refine, memory, q)
+    before, after = push[refine - 1 :: refine], push[::refine]
+    return np.concatenate([after[:1], 0.5 * (before[:-1] + after[1:]), before[-1:]])
+
+
+def _halved(z: np.ndarray) -> np.ndarray:
+    """Return a signal (n,) at twice the rate, shape (2 n - 1,), by cubics through four samples."""
+    fine = np.empty(2 * z.size - 1)
+    fine[::2] = z
+    fine[3:-3:2] = (9.0 * (z[1:-2] + z[2:-1]) - z[:-3] - z[3:]) / 16.0
+    for end, (first, second, third, fourth) in ((1, z[:4]), (-2, z[-1:-5:-1])):
+        fine[end] = (5.0 * first + 15.0 * second - 5.0 * third + fourth) / 16.0
+    return fine
+
+
 @njit(
     VECTOR(types.FunctionType(FORCE), types.FunctionType(UPDATE), *_ARGUMENTS),
     cache=True,
     nogil=True,
 )
-def _push(
-    force: Any,
-    update: Any,
-    z: np.ndarray,
-    w: np.ndarray,
-    interval: float,
-    memory: np.ndarray,
-    q: np.ndarray,
+def _in_steps(
+    force: Any, update: Any, z: np.ndarray, h: float, memory: np.ndarray, q: np.ndarray
 ) -> np.ndarray:
-    """Return a force at each sample of a motion; its memory moves on."""
-    push = np.zeros(z.size)
-    for k in range(z.size):
-        push[k] = force(z[k], w[k], memory, q)
-        update(z[k], z[min(k + 1, z.size - 1)], interval, memory, q)
+    """Return the force in the middle of each step ``h`` (s) of a motion in half steps."""
+    push = np.zeros(z.size // 2)
+    update(z[0], z[0], 0.5 * h, memory, q)
+    for k in range(push.size):
+        start, middle, end = z[2 * k], z[2 * k + 1], z[2 * k + 2]
+        push[k] = force(middle, (end - start) / h, memory, q)
+        update(start, end, h, memory, q)
     return push
