@@ -10,7 +10,7 @@ from scipy.stats import norm
 from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
+from dea.simulation import catalogue, law_courses, measured_scales, prepared
 from made_carriage import CARRIAGE
 
 INTERVAL = 0.02
@@ -94,11 +94,16 @@ def test_a_parameter_at_its_bound_widens_the_band_to_one_side():
 
 
 def test_a_law_without_a_course_has_no_band_and_the_others_keep_theirs():
-    [port] = CARRIAGE.force_ports
-    blind = ForcePort(equation=port.equation, position=None, velocity=port.velocity)
-    fit = extended_by(
-        "coulomb_friction", "dead_zone", simulation=replace(CARRIAGE, force_ports=(blind,))
-    )
+    fit = extended_by("coulomb_friction", "dead_zone")
+    [port], [frame] = CARRIAGE.force_ports, fit.extended.normalisations
+    other = replace(port, reaction=port.position)
+    two = replace(CARRIAGE, force_ports=(port, other))
+    elsewhere, zone = fit.extended.attached
+    extended = replace(
+        fit.extended, simulation=two, normalisations=(frame, frame),
+        attached=(replace(elsewhere, place=1), zone),
+    )  # fmt: skip
+    fit = replace(fit, extended=extended)
     friction, zone = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
     assert friction is None
     np.testing.assert_array_equal(zone.course.along.values, U)

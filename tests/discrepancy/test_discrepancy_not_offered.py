@@ -46,16 +46,17 @@ def test_without_a_force_port_no_force_is_offered():
         assert closed == [NotOffered(effect.name, "force balance", None, Obstacle.NO_PORT)]
 
 
-def test_a_port_that_knows_a_velocity_alone_takes_friction_and_no_spring():
+def test_a_port_that_knows_a_velocity_alone_takes_friction_and_a_second_mass_and_no_spring():
     [port] = SPRING.force_ports
     blind = ForcePort(
         equation=port.equation, position=None, velocity=port.velocity, reaction=port.position
     )
     problem, fitted = problem_of(replace(SPRING, force_ports=(port, blind)), steps())
-    friction, stop = (
-        places(problem, fitted.extended, PUSHING[name]) for name in ("coulomb_friction", "end_stop")
+    friction, mass, stop = (
+        places(problem, fitted.extended, PUSHING[name])
+        for name in ("coulomb_friction", "second_mode", "end_stop")
     )
-    assert friction == ([0, 1], [])
+    assert friction == mass == ([0, 1], [])
     assert stop == (
         [0], [NotOffered("end_stop", "force balance", blind.name, Obstacle.NO_POSITION)],
     )  # fmt: skip

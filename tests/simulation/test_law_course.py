@@ -7,6 +7,10 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from dea.simulation import (
+    ForcePort,
+    Parameter,
+    Simulation,
+    State,
     catalogue,
     law_courses,
     measured_scales,
@@ -24,9 +28,9 @@ class Sampled:
     u, y, interval = U, U, INTERVAL
 
 
-def attached(*laws, lengths=(), upstream=False):
-    """The spring with laws of these names and changed parameters, and all its values."""
-    extended = prepared(SPRING, U, INTERVAL, 1e-5, lengths)
+def attached(*laws, lengths=(), upstream=False, simulation=SPRING):
+    """A simulation with laws of these names and changed parameters, and all its values."""
+    extended = prepared(simulation, U, INTERVAL, 1e-5, lengths)
     scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), Sampled())
     for name, _ in laws:
         extended = extended.attach(catalogue()[name], scales, upstream=upstream)
@@ -93,6 +97,28 @@ def test_a_second_mass_pulls_as_the_motion_of_the_first_one_tells(frequency):
         state = np.array([motion(t), motion(t, 1)])
         SPRING.compiled_derivative(state, U[k], SPRING.nominal, slope)
         pushed[k] = motion(t, 2) - slope[1]
+    assert_pushes(course, extended, pushed)
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "second_mode"])
+def test_where_a_velocity_alone_is_known_a_force_is_shown_over_it(name):
+    """The wheel's speed is its output, and friction its only force apart from the drag."""
+
+    def derivative(x, u, p, dx):
+        dx[0] = (p[0] * u - x[0]) / 0.2
+
+    wheel = Simulation(
+        name="wheel", input_unit="V", output_unit="m/s", states=(State("speed", "m/s", 0.0),),
+        parameters=(Parameter("gain", "m/s/V", 2.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[0], drive="gain", input_interpolation="smooth",
+        force_ports=(ForcePort("speed", None, "speed"),),
+    )  # fmt: skip
+    extended, values = attached((name, {}), simulation=wheel)
+    [course] = law_courses(extended, values, U, INTERVAL)
+    speed = extended.simulate(values, U, INTERVAL)
+    assert (course.along.name, course.along.unit) == ("speed", "m/s")
+    np.testing.assert_allclose(course.along.values, speed, atol=0.01 * np.ptp(speed))
+    pushed = np.gradient(speed, INTERVAL) - (2.0 * U - speed) / 0.2
     assert_pushes(course, extended, pushed)
 
 

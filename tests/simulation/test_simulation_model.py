@@ -536,13 +536,22 @@ def test_a_divisor_takes_part_in_the_unit_of_a_force():
     assert extended.own_unit(attached, stiffness) == (0.0, pytest.approx(3000.0), "Pa")
 
 
-def test_without_a_position_or_a_force_a_law_is_in_units_of_its_port():
+def test_without_a_position_lengths_are_in_the_unit_of_the_integrated_velocity():
+    own = load_simulation("electric_drive")
+    extended = ExtendedSimulation(own, normalisations=(Normalisation(scale=5.0, unit_force=40.0),))
+    attached = Attached(catalogue()["coulomb_friction"], SCALES)
+    units = {"length": "ticks", "rate": "ticks/s", "force": "ticks/s^2"}
+    sizes = {"length": 5.0, "rate": 5.0, "force": 40.0}
+    for kind, unit in units.items():
+        parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
+        assert extended.own_unit(attached, parameter) == (0.0, sizes[kind], unit)
+
+
+def test_without_a_force_a_law_is_in_units_of_its_port():
     own = load_simulation("mass_spring_damper")
-    [port] = own.force_ports
-    own = replace(own, force_ports=(replace(port, position=None),))
     extended = ExtendedSimulation(own, normalisations=(Normalisation(scale=5.0),))
     attached = Attached(catalogue()["coulomb_friction"], SCALES)
-    for kind in ("place", "length", "rate", "force", "stiffness"):
+    for kind in ("force", "stiffness"):
         parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
         assert extended.own_unit(attached, parameter) == (0.0, 1.0, "A")
 

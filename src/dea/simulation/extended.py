@@ -287,38 +287,33 @@ class ExtendedSimulation:
     def frame_of(self, attached: Attached) -> tuple[Normalisation, str] | None:
         """Return how the motion that a force law acts on is normalised, and its position's unit.
 
-        There is neither where the law is no force, or the equation knows no position.
+        There is neither where the law is no force.
         """
         if attached.effect.force is None:
             return None
         port = self.simulation.force_ports[attached.place]
-        if port.position is None:
-            return None
-        unit = next(each.unit for each in self.simulation.states if each.name == port.position)
-        return self.normalisations[attached.place], unit
+        return self.normalisations[attached.place], self._length_at(port)
 
     def own_unit(self, attached: Attached, parameter: Parameter) -> tuple[float, float, str]:
         """Return where a parameter of an effect counts from, what its unit is, and the unit's name.
 
-        Places and lengths of a force law are in the unit of its port's position. Its forces are in
-        that of the port's equation: that of its state per second, times that of the divisor.
+        Places and lengths of a force law are in the unit of its port's position, or of the integral
+        of its velocity. Its forces are in that of the port's equation: that of its state per
+        second, times that of the divisor.
         """
         as_it_is = 0.0, 1.0, parameter.unit
         if not parameter.at_port:
             return as_it_is
         port = self.simulation.force_ports[attached.place]
         frame = self.normalisations[attached.place]
-        states = {each.name: each.unit for each in self.simulation.states}
-        force = self._force_at(port)
-        units = {"force": (0.0, frame.unit_force, force)}
-        if port.position is not None:
-            length = states[port.position]
-            units |= {
-                "place": (frame.rest, frame.scale, length),
-                "length": (0.0, frame.scale, length),
-                "rate": (0.0, frame.scale, product(length, below="s")),
-                "stiffness": (0.0, frame.unit_force / frame.scale, product(force, below=length)),
-            }
+        force, length = self._force_at(port), self._length_at(port)
+        units = {
+            "force": (0.0, frame.unit_force, force),
+            "place": (frame.rest, frame.scale, length),
+            "length": (0.0, frame.scale, length),
+            "rate": (0.0, frame.scale, product(length, below="s")),
+            "stiffness": (0.0, frame.unit_force / frame.scale, product(force, below=length)),
+        }
         found = units.get(parameter.at_port, as_it_is)
         return found if found[1] else as_it_is
 
@@ -330,6 +325,13 @@ class ExtendedSimulation:
         size = self.normalisations[attached.place].unit_force
         port = self.simulation.force_ports[attached.place]
         return (size, self._force_at(port)) if size else (1.0, "1")
+
+    def _length_at(self, port: ForcePort) -> str:
+        """Return the unit of a port's position, or of the integral of its velocity."""
+        states = {each.name: each.unit for each in self.simulation.states}
+        if port.position is not None:
+            return states[port.position]
+        return product(states[port.velocity or ""], "s")
 
     def _force_at(self, port: ForcePort) -> str:
         """Return the unit of a port's forces: of its equation, times that of the divisor."""

@@ -38,3 +38,8 @@ class ForcePort:
     def name(self) -> str:
         """Name of the port, unique within its simulation."""
         return between(self.equation, self.reaction)
+
+    @property
+    def rate(self) -> str:
+        """What the velocity is called: the state that is one, or the rate of the position."""
+        return self.velocity or f"rate of {self.position}"

@@ -32,6 +32,23 @@ def _positions(x: np.ndarray, ports: np.ndarray, normalisations: np.ndarray, z: 
 
 
 @njit(inline="always")
+def _travelled(
+    x: np.ndarray,
+    step: np.ndarray,
+    h: float,
+    ports: np.ndarray,
+    normalisations: np.ndarray,
+    z: np.ndarray,
+    z_next: np.ndarray,
+) -> None:
+    """Write where each port that knows a velocity alone is after a ``step`` of the states ``x``."""
+    for e in range(SLOTS + 1):
+        velocity = ports[e, 2]
+        if ports[e, 1] < 0 and velocity >= 0:
+            z_next[e] = z[e] + h * (x[velocity] + 0.5 * step[velocity]) / normalisations[e, 1]
+
+
+@njit(inline="always")
 def _moving(attached: int, still: np.ndarray, lead: int) -> tuple[bool, bool, bool]:
     """Return which of the memories change, while ``lead`` samples are left until the record."""
     return (
@@ -107,6 +124,7 @@ def integrate(
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     # Memories are kept half a step ahead, which makes the splitting one of second order.
     _positions(x, ports, normalisations, z)
+    z_next[:] = z
     moves_1, moves_2, moves_3 = _moving(attached, still, lead)
     if moves_1:
         law_1.update(z[0], z[0], 0.5 * h, m1, q1)
@@ -118,7 +136,6 @@ def integrate(
         p[drive] = p_drive * drive_scale[i]
         if i == lead:
             moves_1, moves_2, moves_3 = _moving(attached, still, 0)
-        _positions(x, ports, normalisations, z)
         result[0, i] = output(x, u[i], p)
         if order:
             if not i:
@@ -139,9 +156,11 @@ def integrate(
                         nudge = max(nudge, 1e-6 * h * abs(slope[column - 1]))
                     # Where a force looks at the position, the secant over the coming motion
                     # sees the corners of its law. What decays fast moves by less than h times
-                    # its slope, as the Jacobian before tells.
+                    # its slope, as the Jacobian before tells. Of a port without a position the
+                    # speed moves the middle of the step.
                     for e in range(attached):
-                        if ports[e, 1] == column - 1:
+                        looks = ports[e, 1] if ports[e, 1] >= 0 else ports[e, 2]
+                        if looks == column - 1:
                             coming = h * slope[column - 1]
                             coming /= 1.0 + h * max(-J[column - 1, column - 1], 0.0)
                             if abs(coming) > nudge:
@@ -154,8 +173,8 @@ def integrate(
                 for e in range(attached):
                     position, velocity = ports[e, 1], ports[e, 2]
                     rest, scale = normalisations[e, 0], normalisations[e, 1]
-                    at = (moved[position] - rest) / scale if position >= 0 else z[e]
                     w = (moved[velocity] if velocity >= 0 else beside[position]) / scale
+                    at = (moved[position] - rest) / scale if position >= 0 else z[e] + 0.5 * h * w
                     if e == 0:
                         push = law_1.force(at, w, m1, q1)
                     elif e == 1:
@@ -185,11 +204,7 @@ def integrate(
                 advanced = advance_four(J, slope, ramp, h, step)
             if not advanced:
                 advance(J, slope, ramp, h, step, room)
-            for e in range(attached):
-                if ports[e, 1] < 0:
-                    z_next[e] = (
-                        z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / normalisations[e, 1]
-                    )
+            _travelled(x, step, h, ports, normalisations, z, z_next)
             if order:
                 first, first_rate = _with_rate(output, x, slope, u[i], p, soon, moved)
                 for j in range(states):
@@ -207,16 +222,14 @@ def integrate(
                         filtered[k] += taken_over[k, j] * read[j]
                 for k in range(order):
                     read[k] = filtered[k]
-            if attached:
-                _positions(x, ports, normalisations, z_next)
-                if moves_1:
-                    law_1.update(z[0], z_next[0], h, m1, q1)
-                if moves_2:
-                    law_2.update(z[1], z_next[1], h, m2, q2)
-                if moves_3:
-                    law_3.update(z[2], z_next[2], h, m3, q3)
-                for e in range(SLOTS):
-                    z[e] = z_next[e]
+            _positions(x, ports, normalisations, z_next)
+            if moves_1:
+                law_1.update(z[0], z_next[0], h, m1, q1)
+            if moves_2:
+                law_2.update(z[1], z_next[1], h, m2, q2)
+            if moves_3:
+                law_3.update(z[2], z_next[2], h, m3, q3)
+            z[:] = z_next
         for j in range(states):
             if not abs(x[j]) < DIVERGED:
                 return

@@ -12,6 +12,7 @@ from dea.simulation.extended import ExtendedSimulation as Extended
 from dea.simulation.parameter import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR, first_class
 from dea.simulation.timing import shifted
+from dea.units import product
 
 _ARGUMENTS = VECTOR, float64, VECTOR, VECTOR
 
@@ -55,9 +56,9 @@ def law_courses(
     """Return the course of each effect attached, in their order.
 
     A force is shown along the position, so that a loop is seen as one, or along the velocity if it
-    does not look at the position; of one that relaxes the stiffness that it has lost is shown, over
-    the time after a step. There is none where its port has no position, or is not the
-    simulation's first. Of an event the quantity is shown that it changes most, in any record.
+    opposes that, or its port knows no position; of one that relaxes the stiffness that it has lost
+    is shown, over the time after a step. There is none where its port is not the simulation's
+    first. Of an event the quantity is shown that it changes most, in any record.
 
     Parameters
     ----------
@@ -189,9 +190,9 @@ def _pushed(
     push = _push(*laws, z[begin:], interval, effect.refine, memory, law)[lead - begin :]
     z, w = z[lead:], w[lead:]
     along = (
-        Axis(z * frame.scale + frame.rest, str(port.position), unit)
-        if effect.needs_position
-        else Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
+        Axis(w * frame.scale, port.rate, product(unit, below="s"))
+        if effect.opposes_motion or port.position is None
+        else Axis(z * frame.scale + frame.rest, port.position, unit)
     )
     return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size), "force")
 

@@ -12,6 +12,10 @@ class Normalisation:
     there is none, the force of the input's whole range. Where the port has a divisor, the unit is
     multiplied by its value. ``inertia`` (s^2) is zero where an elastic force is the unit; otherwise
     it is the unit over the acceleration of the normalised position that it causes.
+
+    Where a port knows a velocity alone, that has the ``scale`` and what opposes it is the unit of
+    force. Its position is the integral of the velocity from the start on, in seconds, and so is
+    the ``inertia``.
     """
 
     rest: float = 0.0

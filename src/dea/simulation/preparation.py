@@ -316,9 +316,11 @@ def _normalisation(
         own.compiled_derivative(x, least, p, low)
         own.compiled_derivative(x, most, p, high)
         driven += abs(high[equation] - low[equation])
-    held = elastic > _SLACK * driven
-    unit_force = elastic if held else driven
-    inertia = 0.0 if held or driven == 0.0 else excursion / driven
+    opposed = elastic > _SLACK * driven
+    unit_force = elastic if opposed else driven
+    # Where a velocity alone is known, what opposes it is no spring.
+    held = opposed and port.position is not None
+    inertia = 0.0 if held or unit_force == 0.0 else excursion / unit_force
     if port.equation == port.position:
         inertia *= inertia  # without a mass a force gives a speed
     if port.divisor is not None:

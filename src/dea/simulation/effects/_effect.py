@@ -75,7 +75,10 @@ class Effect:
         Whether it is a property of the device, which holds in other records, too. An event or a
         drift belongs to the record it happened in.
     needs_position
-        Whether the force is none without a position, which not every force balance has.
+        Whether the force is none without a position, which not every force balance has: the
+        integral of a velocity tells distances alone.
+    opposes_motion
+        Whether the force is one against the motion, wherever that is.
     remembers_motion
         Whether the memory changes with the motion alone, and not with time. What moved before the
         record is not known: such a memory begins with the record, as its start parameters say.
@@ -109,6 +112,7 @@ class Effect:
     shape_output: Law | None = None
     transferable: bool = True
     needs_position: bool = True
+    opposes_motion: bool = False
     remembers_motion: bool = False
     refine: int = 1
     essential: str = ""

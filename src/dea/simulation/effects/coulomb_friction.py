@@ -139,6 +139,7 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     needs_position=False,
+    opposes_motion=True,
     remembers_motion=True,
     refine=2,
     defining="force",

@@ -134,6 +134,7 @@ EFFECT = Effect(
     force=force,
     update=update,
     memory=memory,
+    needs_position=False,
     refine=2,
     defining="frequency",
 )
