@@ -443,12 +443,15 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
 
 @pytest.mark.parametrize(
     ("elsewhere", "after", "expected"),
-    [(9.0, 8.9, "unknown"), (9.0, 8.0, "named"), (17.0, 8.9, "unknown"), (19.0, 8.9, "named")],
+    [(9.0, 5.6, "unknown"), (9.0, 5.3, "named"), (17.0, 5.6, "unknown"), (19.0, 5.6, "named")],
 )
 def test_an_answer_must_reduce_a_gap_that_is_as_large_on_the_certified_samples(
     elsewhere, after, expected
 ):
-    """Of 9 noise levels there; a limit that is rarely reached need not be reached there."""
+    """Of 9 noise levels there, two fifths of what it removes elsewhere, which is all.
+
+    A limit that is rarely reached need not be reached there.
+    """
     problem, extended = carriage(8)
     fitted = at(problem, extended, np.zeros(extended.free.size))
     nominal, final = (

@@ -499,6 +499,23 @@ def test_what_withdrew_an_answer_is_told():
     )
 
 
+def test_an_answer_that_improves_too_little_is_told_beside_what_it_was_fitted_to():
+    withdrawn = found(Status.UNKNOWN, reason=Reason.CONTRADICTED, share=None)
+    residual = np.full(300, 0.05)
+    withdrawn.decision = Decision(
+        Status.UNKNOWN,
+        SimpleNamespace(labels=("baseline_drift",), fit=SimpleNamespace(residual=residual)),
+        reason=Reason.CONTRADICTED,
+        contradicted={"certified samples": Certified(0.3, 0.25, 9)},
+    )
+    withdrawn.nominal.residual = 6.0 * residual
+    withdrawn.problem.seen_rmse = lambda residual: float(np.sqrt(np.mean(residual**2)))
+    assert (
+        "(with `baseline_drift` the error on certified samples falls from 0.3 to 0.25 mm, but from "
+        "0.3 to 0.05 mm where it was fitted)"
+    ) in sentence(withdrawn)
+
+
 def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
     text = sentence(
         found(

@@ -161,8 +161,12 @@ class Rules(Section):
         default=0.6,
     )
     certified: Share = key(
-        "part of the gap elsewhere from which ``margin`` of the certified gap must be removed",
+        "part of the gap elsewhere from which the certified gap must be removed, too",
         default=0.5,
+    )
+    upheld: Share = key(
+        "part of the share removed elsewhere that must then be removed of the certified gap",
+        default=0.4,
     )
     poor: Number = key(
         "certified error over that of a complete simulation, above which the verdict calls a law"

@@ -93,8 +93,11 @@ class Rules:
         Presence from which an effect, or a family, is called likely. Others are not named, unless
         they leave only noise and their absence is not certain.
     certified
-        Part of the gap elsewhere from which an answer must remove ``margin`` of the certified gap,
-        too: a limit that is seldom reached need not be reached there.
+        Part of the gap elsewhere from which an answer must remove the certified gap, too: a limit
+        that is seldom reached need not be reached there.
+    upheld
+        Part of what an answer removes of the gap elsewhere that it must then remove there. What
+        bends with noise, as several courses in time do, does not go on so.
     poor
         Certified error, in what a complete simulation leaves, above which a law is called too poor.
     detectable
@@ -122,6 +125,7 @@ class Rules:
     shaped: float = 0.5
     likely: float = 0.6
     certified: float = 0.5
+    upheld: float = 0.4
     poor: float = at_least(1, 1.3)
     detectable: float = 0.2
 

@@ -42,7 +42,7 @@ def confirmed(
     noise = decision.noise(rules, evidence.floor)
     block = certify(problem, nominal, final)
     most = max(noise, rules.near * answer.rmse) if dated else np.inf
-    if block.after > most or _unimproved(evidence, block):
+    if block.after > most or _falls_short(evidence, answer.rmse, block):
         contradicted = {_CERTIFIED: block}
         return Decision(
             Status.UNKNOWN, answer, reason=Reason.CONTRADICTED, contradicted=contradicted
@@ -58,9 +58,16 @@ def confirmed(
     return decision
 
 
-def _unimproved(evidence: Evidence, block: Certified) -> bool:
-    """Return whether a gap as large on the certified samples as elsewhere is not reduced there."""
+def _falls_short(evidence: Evidence, left: float, block: Certified) -> bool:
+    """Return whether a certified gap as large as elsewhere is reduced far less than there.
+
+    ``left`` is the error that the answer leaves elsewhere.
+    """
     rules, floor = evidence.rules, evidence.floor
     before, after = misfit(block.before, floor), misfit(block.after, floor)
     elsewhere = misfit(evidence.nominal_error, floor)
-    return before > rules.certified * elsewhere and after > (1.0 - rules.margin) * before
+    removed = (elsewhere - misfit(left, floor)) * before
+    return (
+        before > rules.certified * elsewhere
+        and (before - after) * elsewhere < rules.upheld * removed
+    )

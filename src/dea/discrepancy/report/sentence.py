@@ -161,13 +161,18 @@ def _excluding_priors(found: "Diagnosis", freed: "Fit") -> str:
 
 
 def _against(found: "Diagnosis") -> str:
-    """Say with what, and on which records, the error grew."""
+    """Say with what, and on which records, the error grew, or fell less than on other samples."""
     chosen, records = found.decision.chosen, found.decision.contradicted
     if chosen is None or not records:
         return ""
-    laws = labels_in_words(chosen.labels)
-    changes = (f"on {name} {_change(each, found.units[1])}" for name, each in records.items())
-    return f" (with {laws} the error {', '.join(changes)})"
+    laws, unit = labels_in_words(chosen.labels), found.units[1]
+    changes = ", ".join(f"on {name} {_change(each, unit)}" for name, each in records.items())
+    if all(each.after < each.before for each in records.values()):
+        before, after = (
+            found.problem.seen_rmse(each.residual) for each in (found.nominal, chosen.fit)
+        )
+        changes += f", but from {before:.3g} to {after:.3g} {unit} where it was fitted"
+    return f" (with {laws} the error {changes})"
 
 
 def _change(block: "Certified", unit: str) -> str:
