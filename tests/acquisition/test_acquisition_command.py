@@ -413,6 +413,19 @@ def test_nothing_is_said_of_a_host_that_is_not_known(capsys, words):
     assert "endpoint.host: the host 'nowhere.invalid' is not known now" in told.err
 
 
+@pytest.mark.parametrize("words", [["status"], ["zero"], ["acknowledge", "--by", "A. Person"],
+                                   ["dismiss", "--amplifier-is-off"],
+                                   ["commission", "--arm", "A. Person"]])  # fmt: skip
+def test_what_is_done_to_an_output_must_say_to_which(capsys, words):
+    """With the bench as the default, an amplifier would stay on after ``zero``."""
+    with pytest.raises(SystemExit) as exit_:
+        main(words)
+    assert exit_.value.code == 2
+    told = capsys.readouterr()
+    assert not told.out
+    assert "--device: it says which output is meant, and is missing" in told.err
+
+
 @contextmanager
 def unread(kind):
     """Have a standard error whose reader has gone."""

@@ -229,7 +229,7 @@ def test_a_report_of_a_failed_check_commissions_nothing(
 ):
     path = description(module, tmp_path)
     report = {"watchdog": "tripped", "read_back_gain": 1.0, "read_back_delay": 0.01} | found
-    with pytest.raises(DeviceError, match=rf"{field}: .*commission --arm NAME"):
+    with pytest.raises(DeviceError, match=rf"{field}: .*commission --arm YOUR.NAME --device"):
         write_report(read_device(path), report)
     with pytest.raises(SystemExit) as exit_:
         drive(path, tmp_path, "--arm", "A. Person")

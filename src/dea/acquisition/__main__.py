@@ -221,6 +221,12 @@ def _write_record(
 
 
 def _device(options: argparse.Namespace) -> Device:
+    if options.device is None:
+        raise InputError(
+            "it says which output is meant, and is missing",
+            field="--device",
+            remedy="Give the description of the device: --device config/devices/NAME.yaml",
+        )
     return read_device(options.device).at(options.host, options.port)
 
 
@@ -231,11 +237,12 @@ def _parser() -> argparse.ArgumentParser:
     def command(name: str, run: Command) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         added.set_defaults(run=run)
-        bench = Path("config/devices/virtual_bench.yaml")
-        added.add_argument(
-            "--device", type=Path, default=None if run is recover else bench,
-            help="description of the device",
-        )  # fmt: skip
+        told = "description of the device"
+        if run in (drive, check):  # what is done to a bench does no harm if another was meant
+            bench = Path("config/devices/virtual_bench.yaml")
+            added.add_argument("--device", type=Path, default=bench, help=f"{told} ({bench})")
+        else:
+            added.add_argument("--device", type=Path, help=told)
         return added
 
     at_device = {

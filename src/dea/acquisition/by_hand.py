@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dea.acquisition.command_line import typed
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import ALARMING, Notice, Order, Phase, duty_file, end, look, order
 from dea.acquisition.interrupts import Interruption
@@ -131,7 +132,7 @@ def dismiss(device: Device) -> str:
         raise InputError(
             f"no guardian raises an alarm: {_guardian(notice)}",
             file=device.source,
-            remedy="Take the output to zero: python -m dea.acquisition zero.",
+            remedy=f"Take the output to zero: {typed('zero', device)}.",
         )
     while notice.alive and notice.phase in ALARMING:
         order(path, Order.DISMISS)

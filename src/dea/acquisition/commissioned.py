@@ -7,6 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from dea.acquisition.command_line import typed
 from dea.acquisition.shared_file import endpoint
 from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
@@ -15,8 +16,15 @@ from dea.modbus import Device
 TRIPPED, DID_NOT_TRIP = "tripped", "did not trip"
 # Gains of a read-back that follows the output; noise makes that of a low staircase uncertain.
 FOLLOWS = 0.5, 2.0
-_AGAIN = "python -m dea.acquisition commission --arm NAME"
-MEND = f"Mend the device or its description, then: {_AGAIN}"
+
+
+def mend(device: Device) -> str:
+    """Return what to do where a check has failed."""
+    return f"Mend the device or its description, then: {_again(device)}"
+
+
+def _again(device: Device) -> str:
+    return typed("commission --arm YOUR.NAME", device)
 
 
 def report_file(description: Path) -> Path:
@@ -40,7 +48,7 @@ def write_report(device: Device, report: Mapping[str, Any]) -> Path:
     with atomic(path) as partial:
         partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
     for field, why in _failed(report):
-        raise DeviceError(f"{path}: {field}: {why}. {MEND}")
+        raise DeviceError(f"{path}: {field}: {why}. {mend(device)}")
     return path
 
 
@@ -59,12 +67,12 @@ def refuse_uncommissioned(device: Device) -> None:
     if device.safety is None or device.source is None or device.virtual:
         return
     path = report_file(device.source)
-    report = _read_report(path) if path.exists() else {}
+    report = _read_report(path, _again(device)) if path.exists() else {}
     if report.get("description_sha256") != _hash(device):
         raise InputError(
             "changed since it was commissioned" if report else "not commissioned",
             file=device.source,
-            remedy=_AGAIN,
+            remedy=_again(device),
         )
     if (commissioned := report.get("endpoint", "an unknown place")) != endpoint(device):
         raise InputError(
@@ -72,19 +80,19 @@ def refuse_uncommissioned(device: Device) -> None:
             f"{endpoint(device)}",
             file=path,
             field="endpoint",
-            remedy=_AGAIN,
+            remedy=_again(device),
         )
     for field, why in _failed(report):
-        raise InputError(why, file=path, field=field, remedy=MEND)
+        raise InputError(why, file=path, field=field, remedy=mend(device))
 
 
-def _read_report(path: Path) -> dict[str, Any]:
+def _read_report(path: Path, remedy: str) -> dict[str, Any]:
     try:
         report = json.loads(path.read_bytes())
     except ValueError as error:
-        raise InputError(f"is damaged ({error})", file=path, remedy=_AGAIN) from error
+        raise InputError(f"is damaged ({error})", file=path, remedy=remedy) from error
     if not isinstance(report, dict):
-        raise InputError("is no report of a commissioning", file=path, remedy=_AGAIN)
+        raise InputError("is no report of a commissioning", file=path, remedy=remedy)
     return report
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dea.acquisition.acquire import acquire
-from dea.acquisition.commissioned import DID_NOT_TRIP, MEND, TRIPPED
+from dea.acquisition.commissioned import DID_NOT_TRIP, TRIPPED, mend
 from dea.acquisition.duty import duty_file, look
 from dea.acquisition.flagged import flags_said
 from dea.acquisition.latch import utc_now
@@ -61,7 +61,7 @@ def commission(
     acquired = acquire(device, np.repeat(stairs, hold), partial, polled, first=True)
     report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
-    report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
+    report |= {"highest": float(stairs[-1])} | _learnt(device, acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
         partial.unlink()
         report["watchdog"] = _trip_watchdog(device, np.repeat(stairs, hold), partial, polled)
@@ -80,13 +80,13 @@ def _read_together(device: Device) -> list[list[str]]:
     return [[register.name for register in window.registers] for window in poll.windows]
 
 
-def _learnt(record: "xr.Dataset", link: "xr.Dataset", hold: int) -> dict[str, Any]:
+def _learnt(device: Device, record: "xr.Dataset", link: "xr.Dataset", hold: int) -> dict[str, Any]:
     """Return gain, offset, delay and noise of the read-back, noise of the sensor, round trips."""
     stairs = record.isel(time=asked_for(record.quality.values))
     settled = np.arange(stairs.sizes["time"]) % hold >= (1 - SETTLED) * hold
     settled &= stairs.quality.values == Quality.GOOD
     if not settled.any():
-        raise DeviceError(f"{flags_said(record)}. {MEND}")
+        raise DeviceError(f"{flags_said(record)}. {mend(device)}")
     asked = stairs.voltage_requested.values[settled]
     applied, displacement = stairs.voltage.values[settled], stairs.displacement.values[settled]
     gain, offset = np.polyfit(asked, applied, 1)

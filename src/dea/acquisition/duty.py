@@ -17,6 +17,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from dea.acquisition.command_line import typed
 from dea.acquisition.process import Process
 from dea.acquisition.shared_file import GLANCE, SharedLock, is_locked, open_shared, shared_file
 from dea.errors import InputError
@@ -123,7 +124,7 @@ class Duty:
                 "another acquisition on this machine drives the output",
                 file=self.device.source,
                 field="endpoint",
-                remedy="End it, or see `python -m dea.acquisition status`.",
+                remedy=f"End it, or see `{typed('status', self.device)}`.",
             )
         self.before = _notice(os.pread(self._lock.handle, _LAYOUT.size, 0), alive=False)
         self._map, self._written = _mapped(self._lock.handle), self._lock.handle

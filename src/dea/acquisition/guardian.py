@@ -21,6 +21,7 @@ from typing import Any
 from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.closed_loop import Asked, ControllerError
+from dea.acquisition.command_line import typed
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
@@ -198,7 +199,7 @@ class Guardian:
         if self._signal is not None:
             raise InputError(
                 f"the guardian was sent {self._signal} while it waited for its lock",
-                remedy="See what drives: `python -m dea.acquisition status`.",
+                remedy=f"See what drives: `{typed('status', self.device)}`.",
             )
         if (
             time.monotonic() - self._started > self.job.settings.reconnect_time
@@ -207,7 +208,7 @@ class Guardian:
             self._raise_alarm(
                 InputError(
                     "another program has the lock of the output",
-                    remedy="End it, or see `python -m dea.acquisition status`",
+                    remedy=f"End it, or see `{typed('status', self.device)}`",
                 )
             )
 
@@ -227,7 +228,7 @@ class Guardian:
                 "an earlier guardian ended without taking the output to zero: it had asked for "
                 f"{self.duty.before.requested:g} V",
                 file=self.device.source,
-                remedy="Take it to zero: python -m dea.acquisition zero.",
+                remedy=f"Take it to zero: {typed('zero', self.device)}.",
             )
 
     def _drive(self) -> None:

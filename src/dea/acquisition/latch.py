@@ -12,6 +12,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from dea.acquisition.command_line import typed
 from dea.acquisition.shared_file import open_shared, shared_file
 from dea.atomic_file import atomic
 from dea.errors import InputError
@@ -98,7 +99,7 @@ def refuse_tripped(device: Device) -> None:
             f"tripped at {tripped['time']}: {tripped['reason']}",
             file=device.source,
             field="safety",
-            remedy="Find out why, then: python -m dea.acquisition acknowledge --by NAME.",
+            remedy=f"Find out why, then: {typed('acknowledge --by YOUR.NAME', device)}.",
         )
 
 

@@ -1,5 +1,6 @@
 """The right to drive an output: taken from a device that is at zero, given back at zero."""
 
+from dea.acquisition.command_line import typed
 from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import applied_register, read_back_register
@@ -196,5 +197,5 @@ class Output:
             raise InputError(
                 f"the output is not zero: {driven:g} V",
                 file=self.device.source,
-                remedy="Bring it to zero first: python -m dea.acquisition zero.",
+                remedy=f"Bring it to zero first: {typed('zero', self.device)}.",
             )

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from dea.acquisition.alarm import Alarm
+from dea.acquisition.command_line import typed
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.guardian import fork_server
 from dea.acquisition.launch import launch
@@ -215,7 +216,7 @@ class Recorder:
         elif kind == "alarm":
             self._zero = True  # the guardian is left to it
             raise ZeroNotVerifiedError(
-                f"{content[0]} A guardian goes on trying: see `python -m dea.acquisition status`."
+                f"{content[0]} A guardian goes on trying: see `{typed('status', self.job.device)}`."
             )
         elif kind == "refused":
             refusal = unpacked(content[0])
