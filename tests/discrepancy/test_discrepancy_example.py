@@ -17,11 +17,8 @@ DOCUMENT = ROOT / "docs" / "discrepancy.md"
 DT = 0.02
 
 
-def carriage(tmp_path):
-    text = DOCUMENT.read_text().split("<!-- worked example")[1]
-    path = tmp_path / "carriage.py"
-    path.write_text(re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1))
-    return path
+EXAMPLE = ROOT / "examples" / "simulation"
+CARRIAGE = EXAMPLE / "carriage.py"
 
 
 def recorded(seconds=80.0, friction=0.0, noise=2e-3, unit="mm"):
@@ -48,23 +45,35 @@ def recorded(seconds=80.0, friction=0.0, noise=2e-3, unit="mm"):
     )
 
 
+def test_the_document_shows_the_simulation_of_the_example():
+    text = DOCUMENT.read_text().split("<!-- worked example")[1]
+    assert re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1) == CARRIAGE.read_text()
+
+
+def test_the_record_of_the_example_is_of_a_carriage_with_friction():
+    made = recorded(friction=25.0)
+    _, u, y = np.loadtxt(EXAMPLE / "carriage.csv", delimiter=",", skiprows=1).T
+    np.testing.assert_allclose(u, made.input, atol=1e-5)
+    np.testing.assert_allclose(y, made.output, atol=1e-4)
+
+
 @pytest.mark.slow
-def test_the_example_finds_friction_and_leaves_proof(tmp_path):
-    found = diagnose(recorded(friction=25.0), carriage(tmp_path).as_posix())
+def test_the_example_finds_friction_and_leaves_proof():
+    found = diagnose(recorded(friction=25.0), CARRIAGE.as_posix())
     assert found.verdict.status == "named", found.verdict.sentence
     assert found.verdict.names == ("coulomb_friction",)
     assert found.verdict.certified["rmse_after"] < 0.2 * found.verdict.certified["rmse_before"]
 
 
 @pytest.mark.slow
-def test_the_example_finds_nothing_where_nothing_is(tmp_path):
-    found = diagnose(recorded(), load_simulation(carriage(tmp_path)))
+def test_the_example_finds_nothing_where_nothing_is():
+    found = diagnose(recorded(), load_simulation(CARRIAGE))
     assert found.verdict.status == "none", found.verdict.sentence
 
 
-def test_units_must_match(tmp_path):
+def test_units_must_match():
     with pytest.raises(InputError, match=r"output is in 'cm'.*expects 'mm'"):
-        diagnose(recorded(unit="cm"), carriage(tmp_path).as_posix())
+        diagnose(recorded(unit="cm"), CARRIAGE.as_posix())
 
 
 def test_one_unit_may_be_spelt_in_two_ways():
@@ -74,7 +83,7 @@ def test_one_unit_may_be_spelt_in_two_ways():
     np.testing.assert_array_equal(found.y, y)
 
 
-def test_a_record_must_be_long_enough(tmp_path):
+def test_a_record_must_be_long_enough():
     short = recorded(seconds=2.0).isel(time=slice(50))
     with pytest.raises(InputError, match=r"the split needs .*Settings\(slowest_time"):
-        diagnose(short, carriage(tmp_path).as_posix(), settings=Settings())
+        diagnose(short, CARRIAGE.as_posix(), settings=Settings())
