@@ -69,7 +69,7 @@ results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
 	@python -m dea.stages.intake --result=$(call quoted,$@)
 	$(SNAKEMAKE) $(call quoted,$@)
 
-record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
+record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta (EXCITATION=second, probed)
 	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))
 	python -m dea.stages.record $(call option,excitation,EXCITATION) $(call option,operator,OPERATOR) -- $(call quoted,$(NAME))
 
@@ -79,7 +79,7 @@ INTAKE = python -m dea.stages.intake $(1) $(call option,input,INPUT) $(call opti
 	$(call option,time,TIME) $(call option,rate,RATE) $(call option,sheet,SHEET) $(call option,name,NAME) \
 	$(call option,simulation,SIMULATION) $(if $(FILE),-- $(call quoted,$(FILE)))
 
-case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv
+case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv (INPUT=volts:V OUTPUT=position:mm TIME=t:s RATE=50 SHEET=Data NAME=mine)
 	$(if $(FILE)$(NAME),,$(error Name a file, or a case of config/cases: make case FILE=mine.csv))
 	@name=$$($(INTAKE)) && $(SNAKEMAKE) case_$$name && \
 		cat results/$$name/summary.txt
@@ -127,7 +127,7 @@ resolve: $(VENV)/installed ## designed records until one explanation is left: ma
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
 		$(call option,operator,OPERATOR)
 
-resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning FORMS=free)
+resolution-trials: $(VENV)/installed ## how often designed records decide (defaults COUNT=20 SET=ambiguous, all FORMS)
 	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
 		$(if $(FORMS),--forms $(FORMS)) $(KEEP)
 
@@ -138,7 +138,7 @@ real: $(VENV)/installed ## name what the simulation of each measured record is m
 	$(SNAKEMAKE) real_records
 	pytest -m campaign tests/discrepancy/test_discrepancy_real_records.py tests/workflow/test_cases.py
 
-trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 FIRST=60 SET=tuning)
+trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (defaults COUNT=300 FIRST=0 SET=reporting)
 	$(SNAKEMAKE) trials --config \
 		'trials={$(FIRST:%=first: %$(comma) )$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'
 
@@ -252,7 +252,7 @@ test: $(VENV)/installed ## linters and every test but the slow ones
 	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
 		status=$$?; cat build/timed_tests.txt; exit $$status
 
-slow-tests: $(VENV)/installed ## tests of whole studies, campaigns and diagnoses, and others of more than two seconds
+slow-tests: $(VENV)/installed ## tests of whole studies and diagnoses, and others of more than two seconds; campaigns have targets of their own
 	pytest --numprocesses $(CORES) $(BY_FILE) -m 'slow and not campaign'
 
 # They wait for clocks more than they compute: two files at a time, beside all others, which leave
@@ -281,7 +281,7 @@ mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=3
 calibration: $(VENV)/installed ## the virtual actuators beside the measured ones, in a table and a figure
 	python -m benchmarks.calibration $(KEEP)
 
-benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1 LONGEST=6000; RECORDS=cascaded_tanks, RECORDS= for none)
+benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (defaults COUNT=40 SET=reporting LONGEST=6000 and all RECORDS; RECORDS= for none)
 	python -m benchmarks.naming --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
 		$(SEED:%=--seed %) $(LONGEST:%=--longest %) \
 		$(if $(filter undefined,$(origin RECORDS)),,--records $(RECORDS)) $(KEEP)
