@@ -25,7 +25,7 @@ def settings(simulation):
     }  # fmt: skip
 
 
-def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
+def write_record(path, samples=2000, unit="mm"):
     rng = np.random.default_rng(0)
     u = np.repeat(rng.uniform(0.0, 1.0, samples // 20 + 1), 20)[:samples]
     y_attributes = {"units": unit, "long_name": "level"}
@@ -37,13 +37,17 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
         coords={"time": ("time", np.arange(samples) * DT, {"units": "s", "long_name": "time"})},
         attrs={"contract": "imported_record"},
     )
-    store.write(record, folder / "record.nc", title="Mine")
+    store.write(record, path, title="Mine")
+    return path
+
+
+def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS, further=(), tests=()):
     write_simulation(folder / "mine.py", slope, ports)
     diagnose(
         settings(folder / "mine.py"),
-        record=folder / "record.nc",
-        further=[],
-        tests=[],
+        record=write_record(folder / "record.nc", samples, unit),
+        further=list(further),
+        tests=list(tests),
         threads=1,
         **{name: folder / "out" / name for name in OUTPUTS},
     )
@@ -73,3 +77,14 @@ def test_what_is_wrong_is_said_before_anything_is_written(change, words, tmp_pat
         assert word in said
     assert error.value.file
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("part", ["further", "tests"])
+def test_an_error_names_the_file_of_the_record_that_it_is_in(part, tmp_path):
+    good = write_record(tmp_path / "second.nc")
+    bad = write_record(tmp_path / "third.nc", unit="cm")
+    with pytest.raises(InputError, match=r"output is in 'cm'") as error:
+        run(tmp_path, **{part: [good, bad]})
+    assert error.value.file == bad
+    within = {"further": "record 3", "tests": "test_records.third"}
+    assert error.value.field == f"{within[part]}.output"

@@ -130,7 +130,7 @@ def diagnose(
     rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     rng = generator(settings.seed, settings.name, "diagnose")
-    records = [signals_of(each, own) for each in _listed(record)]
+    records = _signals(_listed(record), own)
     others = _tested_all({} if test_records is None else test_records, own, len(records))
     offered = _offered(settings.effects)
 
@@ -289,6 +289,19 @@ def _listed(
                 remedy="Give a dea.Record, a dataset, or a list of them; dea.Record.of makes one",
             )
     return given
+
+
+def _signals(given: "Sequence[Record | xr.Dataset]", simulation: Simulation) -> list[Samples]:
+    """Return the signals of the records; of several, an error tells the number of its own."""
+    found = []
+    for number, each in enumerate(given, start=1):
+        try:
+            found.append(signals_of(each, simulation))
+        except InputError as error:
+            if len(given) == 1:
+                raise
+            raise error.at(field=f"record {number}.{error.field}") from None
+    return found
 
 
 def _is_record(given: object) -> bool:

@@ -1,6 +1,6 @@
 """Name what the simulation of a record is missing, and write the evidence for it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +46,8 @@ def diagnose(
         )
     except InputError as error:
         remedy = f"{error.remedy} (case {name})" if error.remedy else f"Case {name}"
-        raise error.at(file=error.file or record, remedy=remedy) from error
+        file = error.file or _file_of(error.field or "", [record, *further], tests)
+        raise error.at(file=file, remedy=remedy) from error
     inputs = {
         "record": record,
         **{f"further_{path.stem}": path for path in further},
@@ -68,6 +69,13 @@ def diagnose(
     for fit, path in ((found.nominal, nominal), (found.final, extended)):
         save_simulation(found, fit, path)
     found.verdict.write(verdict)
+
+
+def _file_of(field: str, records: Sequence[Path], tests: Sequence[Path]) -> Path:
+    """Return the file of the record, or test record, that the field of an error names."""
+    named = {f"record {number}": path for number, path in enumerate(records, start=1)}
+    named |= {f"test_records.{path.stem}": path for path in tests}
+    return next((p for name, p in named.items() if f"{field}.".startswith(f"{name}.")), records[0])
 
 
 if __name__ == "__main__":
