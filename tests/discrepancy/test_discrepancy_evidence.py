@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from scipy.stats import norm
 
 from dea.autoregression import fit_autoregression
+from dea.discrepancy import Settings
 from dea.discrepancy.evidence.bootstrap import Gains, beaten, energies, gains
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions, ladder
@@ -47,6 +48,12 @@ def problem_of(u, y, noise=1.0, fit=None, select=None):
         (lambda: Rules(clean=-1.0), "clean: it is -1.0. Give a number of 0 or more"),
         (lambda: Rules(part="half"), "part: it is 'half'. Give a number of 0 or more"),
         (lambda: Rules(near=np.nan), "near: it is nan. Give a number"),
+        (lambda: Settings(blocks=np.nan), "blocks: it is nan. Give a whole number, two at least"),
+        (lambda: Settings(blocks=np.inf), "blocks: it is inf. Give a whole number"),
+        (lambda: Settings(slowest_time="3"), "slowest_time: it is '3'. Give a positive time in s"),
+        (lambda: Settings(warm_up=np.inf), "warm_up: it is inf. Give a time in s, or zero"),
+        (lambda: Settings(step_error=0.0), "step_error: it is 0.0. Give a positive number"),
+        (lambda: Settings(effects="backlash"), "effects: it is 'backlash'. Give a list of names"),
         (lambda: Budget(effects=4), "effects: it is 4. Give 1 to 3"),
         (lambda: Budget(beam=1.5), "beam: it is 1.5. Give a whole number of 1 or more"),
         (lambda: Budget(decimated=0), "decimated: it is 0. Give a whole number of 1 or more"),

@@ -7,6 +7,7 @@ from typing import Any
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
 from dea.errors import InputError
+from dea.given_numbers import is_count, is_positive
 
 
 @dataclass(frozen=True)
@@ -53,23 +54,26 @@ class Settings:
     name: str = "case"
 
     def __post_init__(self) -> None:
-        for field_name, holds, range_ in (
+        names = self.effects
+        listed = isinstance(names, tuple | list) and all(isinstance(n, str) for n in names)
+        for field_name, holds, wanted in (
+            ("effects", listed, "a list of names"),
             (
                 "slowest_time",
-                self.slowest_time is None or self.slowest_time > 0.0,
-                "positive, in s",
+                self.slowest_time is None or is_positive(self.slowest_time),
+                "a positive time in s, or none",
             ),
-            ("warm_up", self.warm_up >= 0.0, "zero or more, in s"),
-            ("blocks", self.blocks == int(self.blocks) >= 2, "a whole number, two at least"),
-            ("noise_margin", self.noise_margin > 0.0, "positive"),
-            ("step_error", self.step_error > 0.0, "positive"),
-            ("relative_step_error", self.relative_step_error > 0.0, "positive"),
+            ("warm_up", self.warm_up == 0 or is_positive(self.warm_up), "a time in s, or zero"),
+            ("blocks", is_count(self.blocks, 2), "a whole number, two at least"),
+            ("noise_margin", is_positive(self.noise_margin), "a positive number"),
+            ("step_error", is_positive(self.step_error), "a positive number"),
+            ("relative_step_error", is_positive(self.relative_step_error), "a positive number"),
         ):
             if not holds:
                 raise InputError(
-                    f"it is {getattr(self, field_name)}",
+                    f"it is {getattr(self, field_name)!r}",
                     field=field_name,
-                    remedy=f"It is {range_}",
+                    remedy=f"Give {wanted}",
                 )
 
     @classmethod
