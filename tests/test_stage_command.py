@@ -10,6 +10,11 @@ from dea.progress import tell
 from dea.stages.command import run
 
 
+def noting(error, note):
+    error.add_note(note)
+    return error
+
+
 @pytest.mark.parametrize(
     ("error", "status", "printed"),
     [
@@ -17,6 +22,10 @@ from dea.stages.command import run
          "error: a.nc: time: too short. Record more"),
         (InputError("too short", field="time"), 2, "error: given.nc: time: too short"),
         (DeviceError("the link is gone"), 1, "error: the link is gone"),
+        (noting(DeviceError("the disk is full."), "Samples are in a.partial: recover it."), 1,
+         "error: the disk is full. Samples are in a.partial: recover it."),
+        (noting(InputError("no zero", remedy="Look"), "The output is at zero."), 2,
+         "error: given.nc: no zero. Look. The output is at zero."),
     ],
 )  # fmt: skip
 def test_what_went_wrong_is_said_without_a_traceback(error, status, printed, capsys):

@@ -27,7 +27,7 @@ class InputError(ValueError):
         remedy: str | None = None,
     ) -> None:
         self.problem, self.file, self.field = _one_line(problem), file, field
-        self.remedy = None if remedy is None else _one_line(remedy)
+        self.remedy = None if remedy is None else _one_line(remedy).removesuffix(".")
         place = ": ".join(_one_line(str(part)) for part in (file, field) if part is not None)
         message = f"{place}: {self.problem}" if place else self.problem
         super().__init__(f"{message}. {self.remedy}" if remedy else message)
@@ -46,6 +46,12 @@ class InputError(ValueError):
             field=self.field if field is None else field,
             remedy=self.remedy if remedy is None else remedy,
         )
+
+
+def noted(error: BaseException, message: str = "") -> str:
+    """Return the message of an error, or one on it, with what the error notes, on one line."""
+    text, notes = message or str(error), " ".join(getattr(error, "__notes__", []))
+    return f"{text.removesuffix('.')}. {notes}" if notes else text
 
 
 def _one_line(text: str) -> str:

@@ -218,5 +218,5 @@ def test_an_excitation_that_is_none_is_told_in_one_line(capsys):
     said = capsys.readouterr().err
     assert said == (
         "error: EXCITATION: there is no excitation 'probe'. Did you mean 'probed'?"
-        " Use one of record, second, probed.\n"
+        " Use one of record, second, probed\n"
     )

@@ -66,6 +66,8 @@ def acquire(
     partial
         File for the samples while it runs; one left by an earlier run is renamed, and one to which
         another run still writes is refused.
+    settings
+        Mode, ramp, waiting times, restarts and who arms the device; the defaults if ``None``.
     watch
         Called with every block of samples and the link's log.
     reset

@@ -167,11 +167,12 @@ def where_kept(partial: Path) -> str:
 
 @contextmanager
 def samples_kept(partial: Path) -> Iterator[None]:
-    """Add :func:`where_kept` to an error of the disk that ends the block."""
+    """Add :func:`where_kept` to an error of the disk that ends the block, if they are there."""
     try:
         yield
     except OSError as error:
-        error.add_note(where_kept(partial))
+        if partial.exists():
+            error.add_note(where_kept(partial))
         raise
 
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager, suppress
 
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.zero import ZeroNotVerifiedError
-from dea.errors import DeviceError, InputError
+from dea.errors import DeviceError, InputError, noted
 
 
 @contextmanager
@@ -19,26 +19,20 @@ def reported(ended: str = "ended by SIGINT") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        say(f"error: {error}")
+        say(f"error: {noted(error)}")
         raise SystemExit(2) from None
     except ZeroNotVerifiedError as error:
-        _say_of(error, f"DANGER: {error}")
+        say(f"DANGER: {noted(error)}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
-        _say_of(error, f"failed: {error}")
+        say(f"failed: {noted(error)}")
         raise SystemExit(1) from None
     except Interrupted as signal:
-        _say_of(signal, f"ended by {signal}; the output is at zero")
+        say(noted(signal, f"ended by {signal}; the output is at zero"))
         raise SystemExit(130) from None
     except KeyboardInterrupt:  # where no output is this command's to take to zero
         say(ended)
         raise SystemExit(130) from None
-
-
-def _say_of(error: BaseException, text: str) -> None:
-    """Say why the block ended, and what its error notes besides."""
-    notes = " ".join(getattr(error, "__notes__", []))
-    say(f"{text.removesuffix('.')}. {notes}" if notes else text)
 
 
 def say(text: str) -> None:

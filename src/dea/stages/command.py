@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from dea import provenance
-from dea.errors import DeviceError, InputError
+from dea.errors import DeviceError, InputError, noted
 from dea.progress import heard_by
 
 
@@ -70,10 +70,10 @@ def run(
     except InputError as error:
         files = [] if error.file else _files(values, inputs)
         place = f"{', '.join(map(str, files))}: " if files else ""
-        _say(f"error: {place}{error}\n")
+        _say(f"error: {place}{noted(error)}\n")
         raise SystemExit(2) from None
     except DeviceError as error:
-        _say(f"error: {error}\n")
+        _say(f"error: {noted(error)}\n")
         raise SystemExit(1) from None
     except Exception:
         _say(traceback.format_exc())

@@ -101,20 +101,18 @@ def keep(
             for file, text in beside.items():
                 (folder / file).write_bytes(text.encode())
         fault = acquisition.clock_fault(device, acquired, options)
-        kept = archive.seal(
-            folder,
-            {
-                "name": name,
-                "excitation": excitation_name,
-                "begun": begun.isoformat(timespec="seconds"),
-                "ended": datetime.now(UTC).isoformat(timespec="seconds"),
-                **facts,
-                "settings": settings,
-                "samples": acquired.record.sizes["time"],
-                "flagged": store.flag_counts(acquired.record),
-            }
-            | ({archive.FAULT: fault} if fault else {}),
-        )
+        content = {
+            "name": name,
+            "excitation": excitation_name,
+            "begun": begun.isoformat(timespec="seconds"),
+            "ended": datetime.now(UTC).isoformat(timespec="seconds"),
+            **facts,
+            "settings": settings,
+            "samples": acquired.record.sizes["time"],
+            "flagged": store.flag_counts(acquired.record),
+        }
+        with acquisition.samples_kept(partial):
+            kept = archive.seal(folder, content | ({archive.FAULT: fault} if fault else {}))
     if fault:
         raise DeviceError(f"{kept} is kept, and no sample of it is good: see the line on its clock")
     return kept

@@ -17,7 +17,7 @@ def trial_diagnose(
     """Write ``verdicts/NNNN.json`` and ``verdicts/NNNN.nc`` (its certificate) for each record.
 
     ``settings`` holds ``seed`` and ``discrepancy``; each record names its simulation, which is in
-    the catalogue or one of the ``simulations``.
+    the catalogue or one of the ``simulations``: these are given so that they count as inputs.
     ``rankings.json`` lists the explanations of each record by error, the chosen one first, so that
     answers can be scored where none was given.
     """
