@@ -3,14 +3,19 @@ from dea.configuration.excitation import PROBED, sections
 
 VIRTUAL = [name for name, actuator in ACTUATORS.items() if actuator.get("bench")]
 RECORDED = [name for name in ACTUATORS if name not in VIRTUAL]
+
+
 # Frequency responses are confirmed where there is a probed record, or a rule makes it.
-CONFIRMED = [
-    name
-    for name in ACTUATORS
-    if name in VIRTUAL
-    and "probing" in config["excitation"]
-    or archive.finished(name, PROBED)
-]
+def confirmed(name):
+    if name in VIRTUAL and "probing" in config["excitation"]:
+        return True
+    try:
+        return bool(archive.finished(name, PROBED))
+    except InputError as error:
+        raise WorkflowError(str(error)) from None
+
+
+CONFIRMED = list(filter(confirmed, ACTUATORS))
 
 
 def names(actuators):
