@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from dea.arrays import Array
+from dea.arrays import Array, Indices
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import InputSpectrum
@@ -20,8 +20,6 @@ from dea.inputs import by_input
 from dea.instants import evenly_spread
 from dea.narx import NarxModel, as_input, input_of
 from dea.store import complex_parts, variable
-
-Rows: TypeAlias = NDArray[np.int64]
 
 
 class Frequencies(NamedTuple):
@@ -165,19 +163,24 @@ class _Rows:
     def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
         self._model, self._rate = model, sampling_rate
         self._end = float(track["time"].values[-1])
-        self.time, self.theta, self._covariance, _ = Instants.of(track, model)
+        self._instants = Instants.of(track, model)
+        self.time, self.theta, self._covariance, _ = self._instants
 
-    def spread(self, count: int) -> Rows:
+    def spread(self, count: int) -> Indices:
         """Return ``count`` rows, evenly spread; every one of fewer."""
         return evenly_spread(self.time.size, count)
 
-    def nearest(self, shares: Sequence[float]) -> Rows:
+    def nearest(self, shares: Sequence[float]) -> Indices:
         """Return the rows nearest to times given as shares of the record."""
-        wanted = np.asarray(shares)[:, None] * self._end
-        return np.asarray(np.argmin(np.abs(self.time - wanted), axis=1))
+        return self._instants.nearest(np.asarray(shares) * self._end)
 
     def first(
-        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelErrorModel | None
+        self,
+        at: Indices,
+        f: Array,
+        dims: tuple[str, ...],
+        number: int,
+        error: ModelErrorModel | None,
     ) -> dict[str, Any]:
         """Return the first-order response of an input, with what the structure lacks."""
         band = self.response(1, at, f, (number,))
@@ -187,7 +190,7 @@ class _Rows:
 
     def second(
         self,
-        at: Rows,
+        at: Indices,
         frequencies: tuple[Array, Array],
         dims: tuple[str, ...],
         inputs: tuple[int, int],
@@ -200,7 +203,7 @@ class _Rows:
         return _banded(band, "H2", dims, prefix="H2_")
 
     def response(
-        self, order: int, at: Rows, frequencies: Any, inputs: tuple[int, ...]
+        self, order: int, at: Indices, frequencies: Any, inputs: tuple[int, ...]
     ) -> ResponseBand:
         """Return a response of this order with its band."""
         return frequency_response_band(
@@ -215,7 +218,7 @@ class _Rows:
         )
 
     def third(
-        self, at: Rows, frequencies: Any, dims: tuple[str, ...], inputs: tuple[int, ...]
+        self, at: Indices, frequencies: Any, dims: tuple[str, ...], inputs: tuple[int, ...]
     ) -> dict[str, Any]:
         """Return the third-order response."""
         H3 = frequency_response(
@@ -235,7 +238,7 @@ class _Rows:
             )
         }
 
-    def rest(self, at: Rows) -> dict[str, Any]:
+    def rest(self, at: Indices) -> dict[str, Any]:
         """Return the rest and the ends of its interval."""
         y0, low, high = zero_input_interval(
             self._model,
