@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         to_iosystem,
         write_fmu,
     )
-    from dea.discrepancy.diagnose import diagnose
+    from dea.discrepancy import diagnose
     from dea.gfrf import frequency_response, frequency_response_band
     from dea.narx import (
         NarxModel,

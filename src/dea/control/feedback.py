@@ -103,7 +103,7 @@ def tune_feedback(
     of_one = Gains(1.0, integral_time, sampling_rate, filter_time)
     if not 1.0 < largest_sensitivity < inf:
         raise InputError(
-            f"it is {largest_sensitivity:g}", field="largest_sensitivity", remedy="It is above 1."
+            f"it is {largest_sensitivity:g}", field="largest_sensitivity", remedy="Give one above 1"
         )
     _check_frequencies(frequencies, band, of_one)
     if not all(np.isfinite(part).all() for part in band):

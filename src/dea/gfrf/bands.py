@@ -165,7 +165,7 @@ def _covariance(
         raise InputError(
             f"its shape is {found.shape}",
             field="covariance",
-            remedy=f"It is {(*sets, sets[-1])} for parameters of shape {sets}",
+            remedy=f"Give one of {(*sets, sets[-1])} for parameters of shape {sets}",
         )
     return found
 

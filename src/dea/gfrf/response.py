@@ -231,7 +231,7 @@ def _radians(
             raise InputError(
                 f"{bad.flat[0]:g} Hz is above half the sampling rate of {sampling_rate:g} Hz",
                 field="frequencies",
-                remedy="Frequencies are in Hz, the sampling rate too",
+                remedy="Give lower ones; both are in Hz",
             )
     try:
         np.broadcast_shapes(*(f.shape for f in arrays))

@@ -45,7 +45,7 @@ def candidate_terms(
     """
     if not is_count(degree):
         raise InputError(
-            f"a degree of {degree!r}", field="degree", remedy="It is a whole number, at least 1."
+            f"a degree of {degree!r}", field="degree", remedy="Give a whole number, at least 1"
         )
     variables = [Term((lag,)) for lag in lag_list(y_lags, "y_lags")]
     for column, lags in enumerate(input_lag_lists(u_lags, inputs)):

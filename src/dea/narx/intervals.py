@@ -34,7 +34,7 @@ def quantile(level: float) -> float:
         If the level is not between 0 and 1.
     """
     if not 0.0 < level < 1.0:
-        raise InputError(f"it is {level:g}", field="level", remedy="It lies between 0 and 1")
+        raise InputError(f"it is {level:g}", field="level", remedy="Give one between 0 and 1")
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 

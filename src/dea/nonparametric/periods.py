@@ -102,7 +102,7 @@ def _cut(samples: NDArray[np.int64], length: int, stretch: int) -> NDArray[np.in
         raise InputError(
             f"a realisation of stretch {stretch} is interrupted",
             field="realisation",
-            remedy="Its samples follow each other without a gap.",
+            remedy="Give samples that follow each other without a gap",
         )
     count = samples.size // length
     return samples[: count * length].reshape(count, length)

@@ -74,7 +74,7 @@ def compare_free_runs(
         raise InputError(
             f"a stretch of {window} samples",
             field="window",
-            remedy=f"It is longer than the largest lag, {model.max_lag}",
+            remedy=f"Give more than {model.max_lag} samples, the largest lag",
         )
     stretch = min(window, outputs.size)
     tracked = with_constant(model)
