@@ -480,8 +480,8 @@ class ExtendedSimulation:
         """Which free coordinates change the reading alone, and not the motion."""
         sensing = set(range(self._of_sensor.start, self._of_sensor.stop))
         for a, own in zip(self.attached, self.effect_slices, strict=True):
-            if a.effect.only_reads:
-                sensing.update(range(own.start, own.stop))
+            law = zip(range(own.start, own.stop), self.parameters[own], strict=True)
+            sensing.update(index for index, each in law if a.effect.only_reads or each.reads)
         return np.isin(self.free, list(sensing))
 
     def laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:

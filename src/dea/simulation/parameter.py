@@ -38,6 +38,8 @@ class Parameter:
     event
         Whether it says when something happened or how long that took, which only the samples around
         that instant tell.
+    reads
+        Whether it changes what is read alone, and not the motion, which then need not be run anew.
     at_port
         Of a law at a force port, whose motion and force are normalised: whether it is a ``place``,
         a ``length`` or a ``rate`` of the motion, or a ``force`` or a ``stiffness``.
@@ -59,6 +61,7 @@ class Parameter:
     shape: bool = False
     at_start: bool = False
     event: bool = False
+    reads: bool = False
     at_port: Literal["", "place", "length", "rate", "force", "stiffness"] = ""
 
     def __post_init__(self) -> None:
