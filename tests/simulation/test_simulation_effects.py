@@ -1344,13 +1344,17 @@ def test_a_limit_of_the_sensor_is_the_same_in_every_unit(unit):
     np.testing.assert_allclose(law(unit * y, t, scaled, 1.0), unit * law(y, t, q, 1.0), rtol=1e-9)
 
 
+@pytest.mark.parametrize("at_input", [False, True])
 @pytest.mark.parametrize("swing", [0.5, 0.75])
-def test_the_loop_of_backlash_has_the_area_of_its_parallelogram_at_any_rate(swing):
+def test_the_loop_of_backlash_has_the_area_of_its_parallelogram_at_any_rate(swing, at_input):
     """A play of gap g under a swing s holds the area g (s - g)."""
-    law, gap = catalogue()["backlash"].shape_output, 0.3
+    effect, gap = catalogue()["backlash"], 0.3
     for samples in (500, 4000):
         y = 0.8 + 0.5 * swing * np.sin(2 * np.pi * np.arange(2 * samples) / samples)
-        read = law(y, np.zeros(y.size), values("backlash", gap=gap), DT)
+        if at_input:
+            read = effect.shape_input(y, values("backlash", command_gap=gap), DT)
+        else:
+            read = effect.shape_output(y, np.zeros(y.size), values("backlash", gap=gap), DT)
         y, read = y[samples:], read[samples:]
         area = abs(np.sum(0.5 * (read + np.roll(read, 1)) * (y - np.roll(y, 1))))
         np.testing.assert_allclose(area, gap * (swing - gap), rtol=2e-3)
@@ -1375,12 +1379,18 @@ def test_a_contact_of_backlash_that_gives_lags_behind_a_ramp_by_its_speed():
 
 
 def test_within_its_gap_backlash_shows_no_motion_and_beyond_it_all():
-    law = catalogue()["backlash"].shape_output
+    effect = catalogue()["backlash"]
     y = np.array([1.0, 1.1, 1.25, 1.6, 1.5, 1.35, 1.2, 0.9, 1.0, 1.3])
     for place, begun in ((1.0, 0.85), (0.0, 1.0), (-1.0, 1.15)):
-        read = law(y, np.zeros(y.size), values("backlash", gap=0.3, place=place), DT)
+        at_reading = values("backlash", gap=0.3, place=place)
+        read = effect.shape_output(y, np.zeros(y.size), at_reading, DT)
+        at_input = values("backlash", command_gap=0.3, command_place=place)
         up = [max(begun, each) for each in (0.85, 0.95, 1.1)]
-        np.testing.assert_allclose(read, [*up, 1.45, 1.45, 1.45, 1.35, 1.05, 1.05, 1.15])
+        expected = [*up, 1.45, 1.45, 1.45, 1.35, 1.05, 1.05, 1.15]
+        np.testing.assert_allclose(read, expected)
+        np.testing.assert_allclose(effect.shape_input(y, at_input, DT), expected)
+        np.testing.assert_array_equal(effect.shape_input(y, at_reading, DT), y)
+        np.testing.assert_array_equal(effect.shape_output(y, np.zeros(y.size), at_input, DT), y)
 
 
 @pytest.mark.parametrize("samples", [100, 160, 600, 5000])

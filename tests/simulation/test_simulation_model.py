@@ -820,3 +820,25 @@ def test_friction_holds_the_device_before_the_record_as_well():
     held = extended.simulate(values, u, DT)
     assert np.ptp(held) < 1e-6 * held[0]
     assert held[0] < free[0] - 1e-3 * free[0]
+
+
+@pytest.mark.parametrize("name", ["backlash", "step_fault"])
+def test_what_is_said_to_change_the_reading_alone_leaves_the_motion_as_it_is(name):
+    u = np.random.default_rng(1).uniform(-1.0, 1.0, 400)
+    extended = prepared(load_simulation("mass_spring_damper"), u, 0.02, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=0.02))
+    extended = extended.attach(catalogue()[name], scales)
+    x = np.full(extended.free.size, 0.1)
+    before = extended.run(extended.values(x), u, 0.02)
+    alike = []
+    for index in range(x.size):
+        moved = x.copy()
+        moved[index] += 0.1
+        alike.append(np.array_equal(extended.run(extended.values(moved), u, 0.02), before))
+    marked = [p.reads for p in extended.attached[0].parameters if p.spread > 0.0]
+    assert any(marked)
+    assert not all(marked)
+    own = np.asarray(alike)[-len(marked) :]
+    np.testing.assert_array_equal(own[marked], True)
+    np.testing.assert_array_equal(extended.only_read[-len(marked) :], marked)

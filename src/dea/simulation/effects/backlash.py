@@ -1,4 +1,4 @@
-"""What is read follows the output with play: it stands still while a gap is crossed."""
+"""What is driven follows with play: it stands still while a gap is crossed."""
 
 import numpy as np
 from numba import njit
@@ -13,7 +13,7 @@ _LEAST = 0.05  # part of the gap that is left where it is narrowest
 @njit(cache=True, error_model="numpy")
 def _read(y: np.ndarray, q: np.ndarray, kept: float) -> np.ndarray:
     """Drag what is read along; of what is beyond the gap a part is ``kept`` over an interval."""
-    gap, tilt, growth, _, begun, middle, half_range = q
+    gap, tilt, growth, begun, middle, half_range = q[0], q[1], q[2], q[4], q[5], q[6]
     result = np.empty(y.size)
     read = 0.0
     for k in range(y.size):
@@ -25,6 +25,23 @@ def _read(y: np.ndarray, q: np.ndarray, kept: float) -> np.ndarray:
         read = inside + kept * (read - inside)
         result[k] = read
     return result
+
+
+@njit(cache=True, error_model="numpy")
+def _driven(u: np.ndarray, half: float, begun: float) -> np.ndarray:
+    """Drag the input along by either end of a gap of twice ``half``."""
+    result = np.empty(u.size)
+    driven = u[0] - begun * half
+    for k in range(u.size):
+        driven = min(max(driven, u[k] - half), u[k] + half)
+        result[k] = driven
+    return result
+
+
+def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Drag the input along, as a linkage with play does; ``command_place`` is where it begins."""
+    driven: np.ndarray = _driven(u, 0.5 * q[7], q[8])
+    return driven
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
@@ -41,25 +58,32 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the gap, how it changes along the range, the drag, and the place at the start."""
+    """Return the gap, how it changes along the range, the drag, and the place at the start.
+
+    Then the middle and half the range of the output, and the gap that the input crosses, with its
+    place at the start.
+    """
     dt, span, unit = scales.interval, scales.y_span, scales.y_unit
+    widest = 0.8 * scales.u_span
     return (
-        Parameter("gap", unit, 0.1 * span, 1.5, 1e-4 * span, 0.8 * span, log=True),
-        Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
-        Parameter("growth_at_ends", "1", 0.0, 0.3, -1.0, 2.0, shape=True),
-        Parameter("drag", "s", 0.0, 2.0 * dt, 0.0, 0.1 * scales.duration, shape=True),
-        Parameter("place", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
+        Parameter("gap", unit, 0.0, 0.15 * span, 0.0, 0.8 * span, reads=True),
+        Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True, reads=True),
+        Parameter("growth_at_ends", "1", 0.0, 0.3, -1.0, 2.0, shape=True, reads=True),
+        Parameter("drag", "s", 0.0, 2.0 * dt, 0.0, 0.1 * scales.duration, shape=True, reads=True),
+        Parameter("place", "1", 0.0, 0.5, -1.0, 1.0, at_start=True, reads=True),
         Parameter("middle", unit, scales.y_middle, 0.0),
         Parameter("half_range", unit, 0.5 * span, 0.0),
+        Parameter("command_gap", scales.u_unit, 0.0, 0.15 * scales.u_span, 0.0, widest),
+        Parameter("command_place", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a narrow and a wide gap, from either end and the middle."""
-    span, middle = scales.y_span, scales.y_middle
+    """Return a narrow and a wide gap of reading or input, from either end and the middle."""
+    middle, half = scales.y_middle, 0.5 * scales.y_span
     return tuple(
-        (part * span, 0.0, 0.0, 0.0, place, middle, 0.5 * span)
-        for part in (0.03, 0.15)
+        (read * scales.y_span, 0.0, 0.0, 0.0, place, middle, half, driven * scales.u_span, place)
+        for read, driven in ((0.03, 0.0), (0.15, 0.0), (0.0, 0.03), (0.0, 0.15))
         for place in (-0.9, 0.0, 0.9)
     )
 
@@ -68,12 +92,14 @@ EFFECT = Effect(
     name="backlash",
     port=Port.OUTPUT,
     family=Family.DISSIPATION,
-    symptom="after each reversal the reading stands still for the same distance, at any rate",
+    symptom="after each reversal the reading, or what the input does, stands still for the same "
+    "distance, at any rate",
     citation="Tao and Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor "
-    "Nonlinearities, on backlash at the output; Vörös (2010), Automatica 46:369, on flanks of "
-    "unequal slopes; Nordin and Gutman (2002), Automatica 38:1633, on a contact that gives",
+    "Nonlinearities, on backlash at the input and the output; Vörös (2010), Automatica 46:369, "
+    "on flanks of unequal slopes; Nordin and Gutman (2002), Automatica 38:1633, on a contact "
+    "that gives",
     parameters=parameters,
     starts=starts,
+    shape_input=command,
     shape_output=law,
-    defining="gap",
 )
