@@ -209,7 +209,7 @@ def test_what_a_peer_said_last_is_told(program, said):
     ("error", "line"),
     [
         (InputError("the file does not exist", file="record.nc", remedy="Make it."),
-         "error: record.nc: the file does not exist. Make it.\n"),
+         "error: record.nc: the file does not exist. Make it\n"),
         (PeerError("padasip failed: no memory"), "error: padasip failed: no memory\n"),
     ],
 )  # fmt: skip

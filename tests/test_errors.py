@@ -35,6 +35,6 @@ def test_every_input_error_says_what_to_do(folder):
 
 def test_an_error_may_be_told_at_another_place():
     error = InputError("it is 3", field="length", remedy="Give more.")
-    assert str(error.at(file="a.yaml")) == "a.yaml: length: it is 3. Give more."
-    assert str(error.at(field="part.length", remedy="Give 4.")) == "part.length: it is 3. Give 4."
+    assert str(error.at(file="a.yaml")) == "a.yaml: length: it is 3. Give more"
+    assert str(error.at(field="part.length", remedy="Give 4.")) == "part.length: it is 3. Give 4"
     assert str(error.at()) == str(error)

@@ -237,7 +237,7 @@ def test_a_report_of_a_failed_check_commissions_nothing(
     message = capsys.readouterr().err
     assert f"device.commissioned.json: {field}: " in message
     assert why in message
-    assert "commission --arm NAME" in message
+    assert "commission --arm YOUR.NAME" in message
     assert message.count("\n") == 1
     assert not module.history
 

@@ -166,7 +166,7 @@ def test_what_is_wrong_is_named_with_file_key_and_remedy_on_one_line(place, valu
 
 def test_every_mistake_is_mentioned():
     wrong = changed(changed(STUDY, ["seed"], -1), ["gfrf", "count"], 0)
-    with pytest.raises(InputError, match=r"seed: it is -1.*Wrong too: gfrf\.count\.$"):
+    with pytest.raises(InputError, match=r"seed: it is -1.*Wrong too: gfrf\.count$"):
         check_study(wrong)
 
 
