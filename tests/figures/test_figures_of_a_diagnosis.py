@@ -137,6 +137,19 @@ def test_a_residual_that_depends_on_nothing_is_said_to(along, label, title):
     assert (ax.get_xlabel(), ax.get_title(loc="right")) == (label, title)
 
 
+def test_the_directions_of_the_motion_are_called_by_their_names():
+    names = {
+        name: name.replace("input", "direction")
+        for name in LOCALISATION.variables
+        if str(name).startswith("input")
+    }
+    moving = LOCALISATION.rename(names)
+    said = verdict() | {"where": {"along": "direction"}}
+    ax = discrepancy(moving, CANDIDATES, CERTIFICATE, said).axes[2]
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["falling", "still", "rising"]
+    assert ax.get_xlabel() == "while the simulated output is"
+
+
 def test_a_bin_without_samples_is_left_open():
     bare = LOCALISATION.copy(deep=True)
     for what in ("rms", "null"):

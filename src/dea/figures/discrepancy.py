@@ -18,6 +18,8 @@ from dea.store import Role, Sources
 
 # Ends of a logarithmic axis beyond what is drawn on it.
 _BESIDE = 1.3
+# What the bins of the direction of the motion, numbered from 0, are called.
+_DIRECTIONS = "falling", "still", "rising"
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
 # Most samples of the runs that are drawn: more would look like a filled area.
@@ -95,7 +97,7 @@ def discrepancy(
     else:
         parameters(laws[0], effects)
     _presence(present, verdict, candidates)
-    for ax in (series, runs, where, *laws):
+    for ax in (series, runs, *laws):
         if ax.get_xscale() == "log":
             continue
         beside = len(laws) > 1 and ax in laws
@@ -216,7 +218,11 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
     )
     if not found:
         ax.set_title(f"no dependence found; along the {called}", loc="right")
-    ax.locator_params(axis="x", nbins=6)
+    if along == "direction":
+        ax.set_xticks(range(len(_DIRECTIONS)), _DIRECTIONS)
+        ax.set_xlabel("while the simulated output is")
+    else:
+        ax.xaxis.set_major_locator(MaxNLocator(_TICKS))
     ax.legend(ncols=3, loc="upper center", columnspacing=0.7, handlelength=0.9)
 
 

@@ -12,6 +12,7 @@ from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 from dea.simulation import Input
 from dea.store import variable
+from dea.units import product
 
 BINS = 12
 # Draws of what chance makes, and the level of the test: ten of them may be as large.
@@ -277,10 +278,10 @@ def _quantities(
     for name, called, u, own in inputs:
         rates = problem.rate_of(u)
         said, of = (f"rate of {called}", called) if several else ("input_rate", "the input")
-        found[f"{name}_rate"] = _Quantity(rates, f"{own}/s", "input_rate", said, of)
+        found[f"{name}_rate"] = _Quantity(rates, product(own, below="s"), "input_rate", said, of)
     for name, values, own in (
         ("output", simulated, unit),
-        ("output_rate", rate, f"{unit}/s"),
+        ("output_rate", rate, product(unit, below="s")),
         ("direction", direction, "1"),
         ("reversal", since * problem.interval, "s"),
     ):
