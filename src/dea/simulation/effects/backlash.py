@@ -11,36 +11,23 @@ _LEAST = 0.05  # part of the gap that is left where it is narrowest
 
 
 @njit(cache=True, error_model="numpy")
-def _read(y: np.ndarray, q: np.ndarray, kept: float) -> np.ndarray:
-    """Drag what is read along; of what is beyond the gap a part is ``kept`` over an interval."""
-    gap, tilt, growth, begun, middle, half_range = q[0], q[1], q[2], q[4], q[5], q[6]
-    result = np.empty(y.size)
-    read = 0.0
-    for k in range(y.size):
-        place = min(max((y[k] - middle) / half_range, -1.0), 1.0)
-        half = 0.5 * gap * max(1.0 + tilt * place + growth * place * place, _LEAST)
-        if k == 0:
-            read = y[0] - begun * half
-        inside = min(max(read, y[k] - half), y[k] + half)
-        read = inside + kept * (read - inside)
-        result[k] = read
-    return result
+def _dragged(driver: np.ndarray, half: np.ndarray, begun: float, kept: float) -> np.ndarray:
+    """Return what a ``driver`` (n,) drags along by either end of a gap of twice ``half`` (n,).
 
-
-@njit(cache=True, error_model="numpy")
-def _driven(u: np.ndarray, half: float, begun: float) -> np.ndarray:
-    """Drag the input along by either end of a gap of twice ``half``."""
-    result = np.empty(u.size)
-    driven = u[0] - begun * half
-    for k in range(u.size):
-        driven = min(max(driven, u[k] - half), u[k] + half)
-        result[k] = driven
+    Of what is beyond the gap a part is ``kept`` over an interval.
+    """
+    result = np.empty(driver.size)
+    follower = driver[0] - begun * half[0]
+    for k in range(driver.size):
+        inside = min(max(follower, driver[k] - half[k]), driver[k] + half[k])
+        follower = inside + kept * (follower - inside)
+        result[k] = follower
     return result
 
 
 def command(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Drag the input along, as a linkage with play does; ``command_place`` is where it begins."""
-    driven: np.ndarray = _driven(u, 0.5 * q[7], q[8])
+    driven: np.ndarray = _dragged(u, np.full(u.size, 0.5 * q[7]), q[8], 0.0)
     return driven
 
 
@@ -52,9 +39,11 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     ``place`` is where the output stands in the gap at the first sample: 1 at the end that drags the
     reading up, -1 at the other.
     """
-    drag = q[3]
-    result: np.ndarray = _read(y, q, np.exp(-interval / drag) if drag > 0.0 else 0.0)
-    return result
+    gap, tilt, growth, drag, begun, middle, half_range = q[:7]
+    place = np.clip((y - middle) / half_range, -1.0, 1.0)
+    half = 0.5 * gap * np.maximum(1.0 + tilt * place + growth * place * place, _LEAST)
+    read: np.ndarray = _dragged(y, half, begun, np.exp(-interval / drag) if drag > 0.0 else 0.0)
+    return read
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
