@@ -284,13 +284,8 @@ class ExtendedSimulation:
             return None
         return ports[attached.place]
 
-    def frame_of(self, attached: Attached) -> tuple[Normalisation, str] | None:
-        """Return how the motion that a force law acts on is normalised, and its position's unit.
-
-        There is neither where the law is no force.
-        """
-        if attached.effect.force is None:
-            return None
+    def frame_of(self, attached: Attached) -> tuple[Normalisation, str]:
+        """Return how the motion that a force law acts on is normalised, and its position's unit."""
         port = self.simulation.force_ports[attached.place]
         return self.normalisations[attached.place], self._length_at(port)
 

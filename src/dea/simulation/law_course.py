@@ -168,10 +168,9 @@ def _pushed(
 
     Or what it loses after a step, if it is shown so.
     """
-    effect, framed = attached.effect, extended.frame_of(attached)
-    if attached.place or effect.force is None or framed is None:
+    effect = attached.effect
+    if attached.place or effect.force is None:
         return None
-    frame, unit = framed
     if effect.relaxed is not None:
         scales = attached.scales
         count = z.size - extended.lead(interval)
@@ -180,7 +179,7 @@ def _pushed(
         axes = Axis(after, "time after a step", "s"), Axis(lost, "relaxed / elastic stiffness", "1")
         return LawCourse(*axes, np.zeros(after.size), "stiffness")
     port = extended.simulation.force_ports[attached.place]
-    lead, w = extended.lead(interval), np.gradient(z) / interval
+    (frame, unit), lead = extended.frame_of(attached), extended.lead(interval)
     # What remembers the motion alone begins with the record, as in the integrator.
     begin = lead if effect.remembers_motion else 0
     law = np.zeros(MEMORY)
@@ -188,13 +187,13 @@ def _pushed(
     memory = np.zeros(MEMORY) if effect.memory is None else effect.memory(q)
     laws = first_class(effect.force), first_class(effect.update)
     push = _push(*laws, z[begin:], interval, effect.refine, memory, law)[lead - begin :]
-    z, w = z[lead:], w[lead:]
-    along = (
-        Axis(w * frame.scale, port.rate, product(unit, below="s"))
-        if effect.opposes_motion or port.position is None
-        else Axis(z * frame.scale + frame.rest, port.position, unit)
-    )
-    return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size), "force")
+    if effect.opposes_motion or port.position is None:
+        w = np.gradient(z)[lead:] / interval
+        along = Axis(w * frame.scale, port.rate, product(unit, below="s"))
+    else:
+        along = Axis(z[lead:] * frame.scale + frame.rest, port.position, unit)
+    value = Axis(push, "force / elastic force", "1")
+    return LawCourse(along, value, np.zeros(push.size), "force")
 
 
 def _push(
@@ -220,7 +219,10 @@ def _push(
 
 
 def _halved(z: np.ndarray) -> np.ndarray:
-    """Return a signal (n,) at twice the rate, shape (2 n - 1,), by cubics through four samples."""
+    """Return a motion (n,) at twice the rate, shape (2 n - 1,), by cubics through four samples.
+
+    It goes on at its ends as within, where an input between samples stands still.
+    """
     fine = np.empty(2 * z.size - 1)
     fine[::2] = z
     fine[3:-3:2] = (9.0 * (z[1:-2] + z[2:-1]) - z[:-3] - z[3:]) / 16.0
