@@ -128,6 +128,7 @@ def response_over_time(
     if y is not None:
         course = track["parameter"].transpose("time", "term").values.astype(float)
         error = model_error(model, course, u, y, sampling_rate, excited_above)
+    time = rows.instants.time
     at, at_plane = rows.spread(grid.instants), rows.nearest(grid.plane_times)
     f, plane, f3 = frequencies = grid.frequencies(sampling_rate)
     f1, f2 = plane[:, None], plane[None, :]
@@ -152,7 +153,7 @@ def response_over_time(
         )
         | _together("pair", [spectra[i - 1].of_pair(spectra[j - 1]) for i, j in pairs]),
         coords=_of_inputs(model, pairs)
-        | _coordinates(frequencies, rows.time[at], rows.time[at_plane], track["instant"].attrs),
+        | _coordinates(frequencies, time[at], time[at_plane], track["instant"].attrs),
         attrs={name: said_of(track, name) for name in ("estimator", "withheld")},
     )
 
@@ -163,16 +164,15 @@ class _Rows:
     def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
         self._model, self._rate = model, sampling_rate
         self._end = float(track["time"].values[-1])
-        self._instants = Instants.of(track, model)
-        self.time, self.theta, self._covariance, _ = self._instants
+        self.instants = Instants.of(track, model)
 
     def spread(self, count: int) -> Indices:
         """Return ``count`` rows, evenly spread; every one of fewer."""
-        return evenly_spread(self.time.size, count)
+        return evenly_spread(self.instants.time.size, count)
 
     def nearest(self, shares: Sequence[float]) -> Indices:
         """Return the rows nearest to times given as shares of the record."""
-        return self._instants.nearest(np.asarray(shares) * self._end)
+        return self.instants.nearest(np.asarray(shares) * self._end)
 
     def first(
         self,
@@ -212,8 +212,8 @@ class _Rows:
             frequencies,
             self._rate,
             inputs=inputs,
-            parameters=self.theta[at],
-            covariance=self._covariance[at],
+            parameters=self.instants.theta[at],
+            covariance=self.instants.covariance[at],
             allow_missing=True,
         )
 
@@ -227,7 +227,7 @@ class _Rows:
             frequencies,
             self._rate,
             inputs=inputs,
-            parameters=self.theta[at],
+            parameters=self.instants.theta[at],
             allow_missing=True,
         )
         return {
@@ -242,8 +242,8 @@ class _Rows:
         """Return the rest and the ends of its interval."""
         y0, low, high = zero_input_interval(
             self._model,
-            parameters=self.theta[at],
-            covariance=self._covariance[at],
+            parameters=self.instants.theta[at],
+            covariance=self.instants.covariance[at],
             allow_missing=True,
         )
         what = "output at rest at the middle input"
