@@ -269,10 +269,7 @@ def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) ->
             field=field,
             remedy="Give a dea.Record, or a dataset; dea.Record.of makes one",
         )
-    try:
-        return signals_of(record, simulation)
-    except InputError as error:
-        raise error.at(field=f"{field}.{error.field}") from None
+    return _signals_at(field, record, simulation)
 
 
 def _listed(
@@ -293,15 +290,19 @@ def _listed(
 
 def _signals(given: "Sequence[Record | xr.Dataset]", simulation: Simulation) -> list[Samples]:
     """Return the signals of the records; of several, an error tells the number of its own."""
-    found = []
-    for number, each in enumerate(given, start=1):
-        try:
-            found.append(signals_of(each, simulation))
-        except InputError as error:
-            if len(given) == 1:
-                raise
-            raise error.at(field=f"record {number}.{error.field}") from None
-    return found
+    if len(given) == 1:
+        return [signals_of(given[0], simulation)]
+    numbered = enumerate(given, start=1)
+    return [_signals_at(f"record {number}", each, simulation) for number, each in numbered]
+
+
+def _signals_at(field: str, record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
+    """Return the signals of a record, which an error tells by its ``field``."""
+    try:
+        return signals_of(record, simulation)
+    except InputError as error:
+        within = ".".join(filter(None, (field, error.field)))
+        raise error.at(field=within) from None
 
 
 def _is_record(given: object) -> bool:
