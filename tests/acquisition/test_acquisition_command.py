@@ -19,6 +19,7 @@ from dea import store
 from dea.acquisition import AcquisitionSettings, latch, watched
 from dea.acquisition import acquire as drive_device
 from dea.acquisition.__main__ import _plain, main
+from dea.acquisition.command_line import typed
 from dea.acquisition.display import SHOWN, Display, health
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile
@@ -424,6 +425,14 @@ def test_what_is_done_to_an_output_must_say_to_which(capsys, words):
     told = capsys.readouterr()
     assert not told.out
     assert "--device: it says which output is meant, and is missing" in told.err
+
+
+def test_a_command_in_a_message_means_the_device_of_the_message():
+    device = read_device(DEVICE)
+    assert typed("zero", device).endswith(f"acquisition zero --device {DEVICE}")
+    assert typed("zero", device.at(device.host, device.port)) == typed("zero", device)
+    moved = typed("zero", device.at("amplifier", 1502))
+    assert moved.endswith(f"--device {DEVICE} --host amplifier --port 1502")
 
 
 @contextmanager

@@ -237,12 +237,12 @@ def _parser() -> argparse.ArgumentParser:
     def command(name: str, run: Command) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         added.set_defaults(run=run)
-        told = "description of the device"
-        if run in (drive, check):  # what is done to a bench does no harm if another was meant
-            bench = Path("config/devices/virtual_bench.yaml")
-            added.add_argument("--device", type=Path, default=bench, help=f"{told} ({bench})")
-        else:
-            added.add_argument("--device", type=Path, help=told)
+        # What is done to the bench does no harm where another device was meant.
+        bench = Path("config/devices/virtual_bench.yaml") if run in (drive, check) else None
+        by_default = f" (default: {bench})" if bench else ""
+        added.add_argument(
+            "--device", type=Path, default=bench, help=f"description of the device{by_default}"
+        )
         return added
 
     at_device = {

@@ -6,6 +6,8 @@ from dea.modbus import Device
 def typed(words: str, device: Device) -> str:
     """Return a command line, such as ``zero``, for the device that a message is about.
 
-    Its description is named, since another device may be meant without it.
+    The description is named, and host and port where they are not the described ones: without them
+    the command would mean another device.
     """
-    return f"python -m dea.acquisition {words} --device {device.source or 'FILE'}"
+    place = f" --host {device.host} --port {device.port}" if device.elsewhere else ""
+    return f"python -m dea.acquisition {words} --device {device.source or 'FILE'}{place}"

@@ -77,7 +77,7 @@ class Device:
     zero is held and watched before it is believed. ``virtual`` says that the device is a process
     started for the purpose, whose film ends with it. ``safety`` is what must hold while there is
     high voltage. ``source`` is the file the description came from, for messages, and ``described``
-    its text as it was read.
+    its text as it was read; ``elsewhere`` says that the device is at another host or port.
     """
 
     name: str
@@ -95,6 +95,7 @@ class Device:
     safety: Safety | None = None
     source: Path | None = None
     described: str = ""
+    elsewhere: bool = False
 
     def at(self, host: str | None = None, port: int | None = None) -> Self:
         """Return the same device at another host or TCP port, where they are given.
@@ -108,7 +109,8 @@ class Device:
             "host": self.host if host is None else host,
             "port": self.port if port is None else port,
         }
-        return replace(self, **validated(Endpoint, there).model_dump())
+        elsewhere = self.elsewhere or there != {"host": self.host, "port": self.port}
+        return replace(self, **validated(Endpoint, there).model_dump(), elsewhere=elsewhere)
 
     def __getitem__(self, name: str) -> Register:
         """Return the register called ``name``; raise InputError where the device has none."""
