@@ -4,13 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_wheel import wheel
 from scipy.interpolate import make_interp_spline
 
 from dea.simulation import (
-    ForcePort,
-    Parameter,
-    Simulation,
-    State,
     catalogue,
     law_courses,
     measured_scales,
@@ -103,17 +100,7 @@ def test_a_second_mass_pulls_as_the_motion_of_the_first_one_tells(frequency):
 @pytest.mark.parametrize("name", ["coulomb_friction", "second_mode"])
 def test_where_a_velocity_alone_is_known_a_force_is_shown_over_it(name):
     """The wheel's speed is its output, and friction its only force apart from the drag."""
-
-    def derivative(x, u, p, dx):
-        dx[0] = (p[0] * u - x[0]) / 0.2
-
-    wheel = Simulation(
-        name="wheel", input_unit="V", output_unit="m/s", states=(State("speed", "m/s", 0.0),),
-        parameters=(Parameter("gain", "m/s/V", 2.0, 0.2),), derivative=derivative,
-        output=lambda x, u, p: x[0], drive="gain", input_interpolation="smooth",
-        force_ports=(ForcePort("speed", None, "speed"),),
-    )  # fmt: skip
-    extended, values = attached((name, {}), simulation=wheel)
+    extended, values = attached((name, {}), simulation=wheel(input_interpolation="smooth"))
     [course] = law_courses(extended, values, U, INTERVAL)
     speed = extended.simulate(values, U, INTERVAL)
     assert (course.along.name, course.along.unit) == ("speed", "m/s")

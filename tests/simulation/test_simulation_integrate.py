@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_wheel import wheel
 from scipy.integrate import solve_ivp
 
 from dea.simulation import (
@@ -105,16 +106,7 @@ def test_friction_where_no_state_is_a_position_acts_on_the_speed_wherever_it_sta
 
 def test_friction_holds_a_wheel_before_the_record_that_has_no_place_to_rest_at():
     """An input that friction withstands, from a lead-in on: a kept force would turn the wheel."""
-
-    def derivative(x, u, p, dx):
-        dx[0] = (p[0] * u - x[0]) / 0.2
-
-    simulation = Simulation(
-        name="wheel", input_unit="V", output_unit="m/s", states=(State("speed", "m/s", 0.0),),
-        parameters=(Parameter("gain", "m/s/V", 2.0, 0.2),), derivative=derivative,
-        output=lambda x, u, p: x[0], drive="gain", input_interpolation="zero",
-        force_ports=(ForcePort("speed", None, "speed"),), lead_in=2.0,
-    )  # fmt: skip
+    simulation = wheel(lead_in=2.0)
     law = np.array([5.0, 0.02, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
     extended, values, _ = attached(simulation, "coulomb_friction", law, substeps=16)
     found = extended.simulate(values, np.full(100, 1e-3), DT)
