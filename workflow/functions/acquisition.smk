@@ -5,8 +5,8 @@ VIRTUAL = [name for name, actuator in ACTUATORS.items() if actuator.get("bench")
 RECORDED = [name for name in ACTUATORS if name not in VIRTUAL]
 
 
-# Frequency responses are confirmed where there is a probed record, or a rule makes it.
 def confirmed(name):
+    """Whether there is a probed record, or a rule makes it, to confirm responses with."""
     if name in VIRTUAL and "probing" in config["excitation"]:
         return True
     try:
