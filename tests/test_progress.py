@@ -2,7 +2,7 @@
 
 import pytest
 
-from dea.discrepancy.parallel import in_parallel
+from dea.discrepancy.fitting.parallel import in_parallel
 from dea.progress import heard_by, part_of, tell
 
 

@@ -72,8 +72,10 @@ def test_figures_and_tables_may_import_no_room_that_their_contract_does_not_name
 @pytest.mark.parametrize(
     ("module", "line"),
     [
-        ("discrepancy/new.py", "from dea.plant import film"),
-        ("discrepancy/new.py", "from ..bench import device"),
+        ("discrepancy/report/new.py", "from dea.plant import film"),
+        ("discrepancy/report/new.py", "from ...bench import device"),
+        ("discrepancy/problem/new.py", "from dea.discrepancy.evidence.null import null_gain"),
+        ("discrepancy/new.py", ""),
         ("bench/new.py", "def lazily():\n    import dea.discrepancy"),
         ("narx/new.py", "from dea.gfrf import frequency_response"),
         ("narx/new.py", "import dea"),

@@ -9,9 +9,9 @@ import numpy as np
 from benchmarks.naming.shared import Shared
 from dea.arrays import Array
 from dea.discrepancy import Settings
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem, Samples, rmse
-from dea.discrepancy.records import prepare
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import Problem, Samples, rmse
+from dea.discrepancy.problem.records import prepare
 from dea.discrepancy.search.starts import fit_nominal
 from dea.seeds import generator
 from dea.simulation import ExtendedSimulation, Simulation

@@ -12,8 +12,8 @@ from dea.discrepancy.evidence.certificate import (
     contradicting,
     transferable,
 )
-from dea.discrepancy.fit import at
-from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.fitting.fit import at
+from dea.discrepancy.problem.problem import Problem, Samples
 from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,

@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import cont2discrete, lfilter, lsim
 
 from dea.discrepancy import Budget, Settings
-from dea.discrepancy.decimation import decimated, decimation_of, interpolation_of
-from dea.discrepancy.problem import Samples
-from dea.discrepancy.records import prepare
+from dea.discrepancy.problem.decimation import decimated, decimation_of, interpolation_of
+from dea.discrepancy.problem.problem import Samples
+from dea.discrepancy.problem.records import prepare
 from dea.simulation import ExtendedSimulation, load_simulation
 from dea.simulation.interpolation import at_steps
 

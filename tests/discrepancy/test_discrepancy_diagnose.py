@@ -18,7 +18,7 @@ from dea.discrepancy import (
     read_verdict,
 )
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.problem import rmse
+from dea.discrepancy.problem.problem import rmse
 from dea.errors import InputError
 from dea.simulation import load_extended, load_simulation, prepared, save_extended
 from dea.store import CONTRACTS, Record

@@ -10,8 +10,9 @@ from scipy.stats import norm
 
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.steepness import shortened
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.report.estimates import estimates, quantities, quoted, uncertainty
+from dea.discrepancy.evidence.uncertainty import uncertainty
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.report.estimates import estimates, quantities, quoted
 from dea.simulation import Attached, Parameter, catalogue
 from dea.simulation.effects import Quantity
 from dea.simulation.page import REFERENCE

@@ -5,10 +5,10 @@ import pytest
 from small_search import SEARCH
 
 from dea.discrepancy import Settings, diagnose
-from dea.discrepancy.estimation import at_its_error, with_its_error
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import cost_of, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.estimation import at_its_error, with_its_error
+from dea.discrepancy.fitting.fit import cost_of, fit
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.split import split
 from dea.simulation import catalogue, measured_scales, prepared
 from dea.store import Record
 from made_carriage import CARRIAGE

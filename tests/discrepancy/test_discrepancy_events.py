@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.discrepancy.events import with_events_dated
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import at, cost_of, fit
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.fitting.events import with_events_dated
+from dea.discrepancy.fitting.fit import at, cost_of, fit
+from dea.discrepancy.problem.problem import Problem, rmse
+from dea.discrepancy.problem.split import split
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE, STEP, SIZE = 0.02, 0.002, 0.4, 3000

@@ -11,18 +11,18 @@ from scipy.stats import norm
 
 from dea.autoregression import fit_autoregression
 from dea.discrepancy import Settings
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.evidence.bootstrap import Gains, beaten, energies, gains
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions, ladder
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
-from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.null import long_parts, null_gain
 from dea.discrepancy.evidence.residual_model import dictionary, residual_model
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem.noise import white_level
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.split import split
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.budget import Budget
 from dea.errors import InputError
 from dea.missing import runs
 from dea.simulation import Input

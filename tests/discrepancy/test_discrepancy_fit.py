@@ -15,15 +15,15 @@ from dea.discrepancy.evidence.certificate import Certified
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.localisation import localise
-from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.presence import Presence
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
+from dea.discrepancy.problem.noise import white_level
+from dea.discrepancy.problem.problem import Problem, rmse
+from dea.discrepancy.problem.split import split
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import starts
-from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
 from dea.missing import runs
 from dea.simulation import Input, catalogue, load_simulation, measured_scales, prepared

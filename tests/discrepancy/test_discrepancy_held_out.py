@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dea.discrepancy.evidence.held_out import HeldOut, folds
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Columns, fit
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.fitting.fit import Columns, fit
+from dea.discrepancy.problem.problem import Problem, rmse
+from dea.discrepancy.problem.split import split
 from dea.missing import runs
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 

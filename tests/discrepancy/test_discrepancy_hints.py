@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.discrepancy.evidence.period import exact_period, period_of
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import best_of_each_set, judged
+from dea.discrepancy.budget import Budget
+from dea.discrepancy.fitting.candidates import best_of_each_set, judged
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.period import exact_period, period_of
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.search.hints import _around, foreign_lines, jumps, lines
 
 INTERVAL, SAMPLES = 0.02, 3000

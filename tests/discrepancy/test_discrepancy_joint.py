@@ -6,8 +6,8 @@ import xarray as xr
 
 from dea.discrepancy import Samples, Settings, diagnose
 from dea.discrepancy.evidence.residual_model import dictionary
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.records import prepare, signals_of
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.records import prepare, signals_of
 from dea.errors import InputError
 from dea.simulation import catalogue, measured_scales, prepared
 from dea.store import signals

@@ -8,8 +8,8 @@ from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Samples
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import Samples
 from dea.simulation import catalogue, law_courses, measured_scales, prepared
 from made_carriage import CARRIAGE
 

@@ -16,8 +16,8 @@ from dea.discrepancy.evidence.colour import (
     part_repeated,
     predictable,
 )
-from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem.noise import at_a_limit, quantisation, white_level
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.missing import runs
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import two_inputs
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.diagnose import not_offered
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import fit
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.split import split
 from dea.discrepancy.report.verdict import Verdict, read_verdict
-from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.not_offered import NotOffered, Obstacle, places
 from dea.discrepancy.search.rounds import extend_by_each
 from dea.errors import InputError

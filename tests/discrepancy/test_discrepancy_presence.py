@@ -10,17 +10,17 @@ from scipy.special import softmax
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.held_out import folds
 from dea.discrepancy.evidence.model_error import ModelError, memory_of, model_error
-from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.occam import log_prior
-from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.presence import (
     Presence,
     presence,
     share_removed,
 )
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.problem.noise import quantisation
+from dea.discrepancy.problem.period import period_of
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate
 from dea.missing import runs
 
 MOST = Rules().may_follow()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.decision import (
     Decision,
     Reason,
@@ -22,14 +23,13 @@ from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import most_visible, visibility
 from dea.discrepancy.evidence.presence import Presence
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Columns, Fit, at, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.candidates import Candidate, judged
+from dea.discrepancy.fitting.fit import Columns, Fit, at, fit
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.split import split
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import rounds as search_rounds
 from dea.discrepancy.search import screening
-from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.degenerate import unfinish_degenerate
 from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each

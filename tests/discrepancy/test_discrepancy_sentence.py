@@ -12,8 +12,8 @@ from dea.discrepancy.evidence.localisation import Band, Concentration, Localisat
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
-from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
+from dea.discrepancy.problem.split import Split
 from dea.discrepancy.report.lags import common_lag
 from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (

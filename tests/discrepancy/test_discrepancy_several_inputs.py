@@ -18,11 +18,11 @@ from dea.discrepancy import (
 )
 from dea.discrepancy.diagnose import _count
 from dea.discrepancy.evidence.localisation import localise
-from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.residual_model import dictionary
-from dea.discrepancy.evidence.split import split
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.records import prepare, signals_of
+from dea.discrepancy.problem.period import period_of
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.records import prepare, signals_of
+from dea.discrepancy.problem.split import split
 from dea.errors import InputError
 from dea.resolution import Limits, Options
 from dea.resolution.knowledge import Inquiry

@@ -7,8 +7,8 @@ import pytest
 from annotated_types import Ge
 
 from dea.configuration import discrepancy as configured
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.thresholds_page import page
 from dea.errors import InputError
 

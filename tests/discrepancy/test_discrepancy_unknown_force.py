@@ -12,9 +12,9 @@ from dea.discrepancy import Settings, diagnose
 from dea.discrepancy.evidence.colour import leaves_coloured_noise, predictable
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import fit
-from dea.discrepancy.problem import Samples
-from dea.discrepancy.records import prepare
+from dea.discrepancy.fitting.fit import fit
+from dea.discrepancy.problem.problem import Samples
+from dea.discrepancy.problem.records import prepare
 from dea.discrepancy.rules import Rules
 from dea.simulation import ExtendedSimulation, load_simulation
 from dea.simulation.signatures import DERIVATIVE

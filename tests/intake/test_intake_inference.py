@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from dea.configuration.identification import Validation
-from dea.discrepancy.evidence.split import split
+from dea.discrepancy.problem.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_held, samples_to_average
 from dea.intake.dynamics import _settling, linear_dynamics

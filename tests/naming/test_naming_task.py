@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from made_tasks import RATE, excitation, pose
 
-from dea.discrepancy.fit import at
+from dea.discrepancy.fitting.fit import at
 from dea.store import Record
 
 

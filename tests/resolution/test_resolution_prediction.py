@@ -10,7 +10,7 @@ from made_devices import INTERVAL, NOISE, hidden
 from scipy.optimize import minimize
 
 from dea.discrepancy import Problem, Samples
-from dea.discrepancy.fit import fit
+from dea.discrepancy.fitting.fit import fit
 from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation, explanation_of
 from dea.resolution.prediction import predicted

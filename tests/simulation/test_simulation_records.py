@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.discrepancy.problem import Samples
+from dea.discrepancy.problem.problem import Samples
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL = 0.02

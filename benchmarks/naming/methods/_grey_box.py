@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.naming.task import Answer, Task
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fitting.fit import Fit
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.starts import bases, fit_near_prior
 from dea.simulation import catalogue

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from benchmarks.naming.task import Task
 from dea.arrays import Array
-from dea.discrepancy.problem import rmse
+from dea.discrepancy.problem.problem import rmse
 
 Mask = NDArray[np.bool_]
 # Part of the samples used, the last ones, that choices are made on; and the part of the residual

@@ -12,7 +12,7 @@ from benchmarks.naming.methods._residual import Mask, Residual, needed
 from benchmarks.naming.task import Answer, Method, Task
 from dea.arrays import Array
 from dea.discrepancy.evidence.residual_model import dictionary
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem.problem import Problem
 
 _RIDGES = np.logspace(-2, 6, 17)
 

@@ -1,14 +1,17 @@
 """Find, name and certify the effect that a simulation is missing."""
 
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
 from dea.discrepancy.evidence.model_error import memory_of
-from dea.discrepancy.evidence.split import shortest_record
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem, Samples
-from dea.discrepancy.records import SAME_INTERVAL, signals_of
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.fitting.sensitivity import sensitivities
+from dea.discrepancy.problem.problem import Problem, Samples
+from dea.discrepancy.problem.records import SAME_INTERVAL, signals_of
+from dea.discrepancy.problem.split import shortest_record
 from dea.discrepancy.report.datasets import (
     candidates_dataset,
     certificate_dataset,
@@ -17,9 +20,6 @@ from dea.discrepancy.report.datasets import (
 from dea.discrepancy.report.simulations import save_simulation
 from dea.discrepancy.report.verdict import Estimate, NamedEffect, Verdict, read_verdict
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate
-from dea.discrepancy.sensitivity import sensitivities
 from dea.discrepancy.settings import Settings
 
 __all__ = [

@@ -18,9 +18,7 @@ from dea.discrepancy.decision import (
     with_priors_checked,
     without_small_drift,
 )
-from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
-from dea.discrepancy.estimation import at_its_error, on_whole_record, with_its_error
-from dea.discrepancy.events import with_events_dated
+from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.certificate import (
     Certificate,
@@ -44,11 +42,14 @@ from dea.discrepancy.evidence.presence import (
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, record_names
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem, Samples
-from dea.discrepancy.records import prepare, signals_of
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.findings import Ladder, Singles, Where
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.estimation import at_its_error, on_whole_record, with_its_error
+from dea.discrepancy.fitting.events import with_events_dated
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem, Samples
+from dea.discrepancy.problem.records import prepare, signals_of
 from dea.discrepancy.search.degenerate import unfinish_degenerate
 from dea.discrepancy.search.not_offered import NotOffered, never_tried, places
 from dea.discrepancy.search.rounds import Round

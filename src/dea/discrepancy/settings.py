@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.budget import Budget
 from dea.errors import InputError
 from dea.given_numbers import is_count, is_positive
 

@@ -6,15 +6,15 @@ from typing import Any
 
 from dea.configuration import discrepancy as configured
 from dea.configuration.section import Section
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.budget import Budget
 
 _HEAD = """# Thresholds of a diagnosis
 
 Every value of `discrepancy.rules` and `discrepancy.budget`, which the pages
 [discrepancy.md](../discrepancy.md) and [diagnosis.md](diagnosis.md) cite by name. They are the
 defaults of `dea.diagnose` and the values of `config/config.yaml`. `make thresholds` writes this
-page anew from `src/dea/discrepancy/rules.py` and `src/dea/discrepancy/search/budget.py`; the
+page anew from `src/dea/discrepancy/rules.py` and `src/dea/discrepancy/budget.py`; the
 meanings are those of [configuration.md](../configuration.md#rules).
 
 Quantities such as *gap*, *misfit* and *floor* are defined in

@@ -6,9 +6,9 @@ from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
 from dea.discrepancy.rules import misfit
-from dea.discrepancy.search.candidates import Candidate
 
 
 def suffices(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:

@@ -7,8 +7,8 @@ import numpy as np
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.evidence.certificate import Certified, certify, contradicting
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import rmse
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import rmse
 from dea.discrepancy.rules import misfit
 
 _CERTIFIED = "certified samples"

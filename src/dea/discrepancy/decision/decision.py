@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from dea.discrepancy.evidence.certificate import Certified
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate
 
 
 class Status(StrEnum):

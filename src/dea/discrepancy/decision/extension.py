@@ -9,8 +9,8 @@ from dea.discrepancy.evidence.bootstrap import Gains, beaten
 from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, families_of
+from dea.discrepancy.fitting.candidates import Candidate
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.rounds import Round
 
 # Candidates of one size whose held-out errors are compared.

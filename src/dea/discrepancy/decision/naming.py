@@ -18,8 +18,8 @@ from dea.discrepancy.evidence.colour import (
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, families_of
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.fit import at_prior_bounds
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import at_prior_bounds
 
 
 def decide(

@@ -10,9 +10,9 @@ from dea.discrepancy.decision.adequacy import share_of
 from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fitting.candidates import Candidate, EffectSet
+from dea.discrepancy.fitting.fit import Fit
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.candidates import Candidate, EffectSet
 from dea.simulation import Family
 
 

@@ -9,9 +9,9 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.evidence.certificate import certify, certify_elsewhere, contradicting
 from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit, at_bounds, at_prior_bounds, fit, outside_priors
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Samples
+from dea.discrepancy.fitting.fit import Fit, at_bounds, at_prior_bounds, fit, outside_priors
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Samples
 
 # Factor on the declared spreads here, and the steps of such a fit. The values were chosen.
 _WIDER, _ITERATIONS = 4.0, 40

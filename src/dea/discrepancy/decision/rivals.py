@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from dea.discrepancy.evidence.bootstrap import beaten
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
 
 
 def same_class(first: Candidate, second: Candidate) -> bool:

@@ -7,9 +7,9 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.rivals import rivals_of
 from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import rmse
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import rmse
 
 
 def without_small_drift(

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.discrepancy.evidence.model_error import memory_of
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem, Samples, rmse
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.problem.problem import Problem, Samples, rmse
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation
 

@@ -9,14 +9,14 @@ from scipy.stats import chi2, kurtosis
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.null import long_blocks, long_parts
-from dea.discrepancy.evidence.period import exact_period
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
-from dea.discrepancy.fit import Fit, at_prior_bounds
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit, at_prior_bounds
+from dea.discrepancy.problem.period import exact_period
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import misfit
-from dea.discrepancy.search.candidates import Candidate
 from dea.inputs import by_input
 from dea.missing import runs
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.search.candidates import Candidate
-from dea.discrepancy.sensitivity import unabsorbed
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.sensitivity import unabsorbed
+from dea.discrepancy.problem.problem import Problem
 
 
 @dataclass(frozen=True)

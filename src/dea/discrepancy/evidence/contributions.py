@@ -8,9 +8,9 @@ import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import rmse
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import rmse
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from dea.discrepancy.evidence.held_out import HeldOut
-from dea.discrepancy.fit import Fit, fit, without
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Fit, fit, without
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import Rules
 
 

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import transferable
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.problem.problem import Problem
 
 # Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
 # where the fit to all of them ended.

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, at
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.sensitivity import unabsorbed
+from dea.discrepancy.fitting.fit import Fit, at
+from dea.discrepancy.fitting.sensitivity import unabsorbed
+from dea.discrepancy.problem.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from dea.confidence import DEVIATIONS
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Samples
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import Samples
 from dea.simulation import Attached, ExtendedSimulation, LawCourse, law_courses
 
 

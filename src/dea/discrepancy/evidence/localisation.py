@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from dea.autocovariance import autocovariance
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem.problem import Problem
 from dea.inputs import by_input
 from dea.simulation import Input
 from dea.store import variable

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.autoregression import fit_autoregression
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import Problem
 
 _DRAWS = 60
 _SHORTEST = 21  # samples of a block whose colour counts

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
 
 _Shapes = frozenset[int]
 

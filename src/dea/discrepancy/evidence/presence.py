@@ -12,8 +12,8 @@ import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import energies
 from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.fitting.candidates import Candidate, EffectSet
 from dea.discrepancy.rules import misfit
-from dea.discrepancy.search.candidates import Candidate, EffectSet
 
 _DRAWS = 1000
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.problem.problem import Problem, rmse
 
 # Deviation on the samples fitted to, as a part of that on all, above which a column counts: what
 # hardly changes there tells nothing of the others.

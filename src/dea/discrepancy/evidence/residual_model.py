@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from dea.discrepancy.evidence.regression import least_left, standardised
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.problem.problem import Problem, rmse
 from dea.inputs import by_input
 from dea.simulation import low_pass
 from dea.terms import input_symbol

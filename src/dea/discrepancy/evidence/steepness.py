@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 
 from dea.confidence import DEVIATIONS
-from dea.discrepancy.fit import Fit, cost_of
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Fit, cost_of
+from dea.discrepancy.problem.problem import Problem
 
 # Deviation, in prior spreads, up to which a cost counts as a parabola.
 _SURE = 0.05

@@ -3,8 +3,8 @@
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import Certified
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.problem.problem import Problem, rmse
 from dea.simulation import samples_of_each
 
 _ITERATIONS = 10

@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from dea.discrepancy.evidence.regression import part_predicted
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import Problem
 from dea.simulation import (
     FORCE,
     Effect,

@@ -5,11 +5,11 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.law_bands import banded_laws, in_port_unit
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.fitting.candidates import Candidate
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
-from dea.discrepancy.search.candidates import Candidate
 from dea.effect_label import joined
 from dea.store import Described, Role, variable
 
@@ -17,7 +17,7 @@ _FINISHED = "whether it may be named: fitted to the end, and worse without its e
 _GAIN = "log ratio of RMSE without and with it, held-out; if unfinished, on the samples fitted to"
 
 
-def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+def localisation_dataset(diagnosis: Findings) -> xr.Dataset:
     """Return where the residual is concentrated, before and after, along each quantity."""
     where = diagnosis.where
     renamed = [
@@ -34,7 +34,7 @@ def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     )
 
 
-def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+def candidates_dataset(diagnosis: Findings) -> xr.Dataset:
     """Return every effect's gain with its interval, its visibility, and its rivals."""
     unit = diagnosis.units[1]
     singles, gained = diagnosis.singles.candidates, diagnosis.singles.gains
@@ -87,7 +87,7 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     return data
 
 
-def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+def certificate_dataset(diagnosis: Findings) -> xr.Dataset:
     """Return the record, both simulations and the use of each sample; other records' errors.
 
     Of each law that is named, also its course over the record, with a band.
@@ -151,7 +151,7 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     return xr.Dataset(data, coords=coords, attrs={"records": records})
 
 
-def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
+def _laws(diagnosis: Findings) -> dict[str, Described]:
     """Return of each named law what it acts on, what it makes of it with its band, and no law."""
     found = {}
     laws = banded_laws(diagnosis.problem, diagnosis.final, diagnosis.uncertainty.covariance)
@@ -172,7 +172,7 @@ def _laws(diagnosis: Diagnosis) -> dict[str, Described]:
     return found
 
 
-def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
+def _shares_alone(diagnosis: Findings) -> np.ndarray:
     """Return the share of each single effect that was fitted to the end; NaN of others."""
     floor, gained = diagnosis.floor, diagnosis.singles.gains
 

@@ -1,45 +1,16 @@
 """Estimates of an effect's parameters, with intervals."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from dea.confidence import DEVIATIONS, LEVEL
-from dea.discrepancy.evidence.model_error import ModelError, memory_of
-from dea.discrepancy.evidence.steepness import shortened
-from dea.discrepancy.fit import Fit, at_bounds, outside_priors
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.fitting.fit import Fit, at_bounds, outside_priors
 from dea.discrepancy.report.verdict import Estimate
-from dea.simulation import Attached, ExtendedSimulation, Parameter
+from dea.simulation import Attached, Parameter
 
 _DRAWS = 400  # of the coordinates, for the interval of a quantity
-
-
-class Uncertainty(NamedTuple):
-    """Standard deviations (k,) and covariance (k, k) of the coordinates of a fit."""
-
-    deviation: np.ndarray
-    covariance: np.ndarray
-
-
-def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelError) -> Uncertainty:
-    """Return how sure the coordinates of a fit are.
-
-    ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
-    and of what the cost gives counts (:func:`shortened`), where the autocorrelation of the residual
-    takes part in the variance; correlations are those of the cost. The ``error`` of the law
-    may be of one sign over the whole record, since another form of the law shifts its defining
-    parameter, such as a limit.
-    """
-    residual = fit.residual[problem.seen]
-    of_law = error.white**2 + residual.size * error.coloured**2
-    variance = max(float(np.mean(residual**2)) * memory_of(residual), of_law)
-    covariance = shortened(problem, fit, fit.covariance(problem.seen, variance), variance)
-    own = np.sqrt(np.diag(covariance))
-    deviation = np.maximum(own, spread)
-    factor = deviation / own
-    return Uncertainty(deviation, covariance * np.outer(factor, factor))
 
 
 def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
@@ -113,22 +84,22 @@ def quantities(fit: Fit, index: int, covariance: np.ndarray) -> dict[str, Estima
     return result
 
 
-def estimates_beyond_priors(
-    freed: Fit, declared: ExtendedSimulation, deviation: np.ndarray
-) -> dict[str, Estimate]:
-    """Return the simulation's own parameters that are outside what their declared priors allow.
+def estimates_beyond_priors(found: Findings) -> dict[str, Estimate]:
+    """Return the simulation's own parameters where they explain the record beyond their priors.
 
-    ``freed`` is a fit with wider ones, and ``deviation`` (k,) the standard deviation of its
-    coordinates.
+    There are none unless the decision has freed the simulation.
     """
-    found = {}
+    freed, declared = found.decision.freed, found.nominal.extended
+    if freed is None:
+        return {}
+    result = {}
     bound = at_bounds(freed.extended, freed.coordinates)
     for position in np.flatnonzero(outside_priors(freed, declared)):
         i = declared.free[position]
         parameter = freed.extended.parameters[i]
-        at, error = float(freed.coordinates[position]), float(deviation[position])
+        at, error = float(freed.coordinates[position]), float(found.freed_deviation[position])
         prior, *ends = _prior_and_ends(parameter, at, error)
-        found[parameter.name] = Estimate(
+        result[parameter.name] = Estimate(
             float(freed.values[i]),
             parameter.unit,
             min(ends),
@@ -137,7 +108,7 @@ def estimates_beyond_priors(
             at_bound=bool(bound[position]),
             moved=abs(at) / error,
         )
-    return found
+    return result
 
 
 def _prior_and_ends(parameter: Parameter, at: float, error: float) -> tuple[float, float, float]:

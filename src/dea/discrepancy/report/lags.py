@@ -1,14 +1,10 @@
 """A lag that a record shows, and does not place: what all of its explanations have in common."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
-from dea.simulation import Attached, ExtendedSimulation, Family, Port
-
-if TYPE_CHECKING:
-    from dea.discrepancy.report.verdict import Estimate, NamedEffect
-    from dea.discrepancy.search.candidates import Candidate
-    from dea.simulation import Parameter
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.report.verdict import Estimate, NamedEffect
+from dea.simulation import Attached, ExtendedSimulation, Family, Parameter, Port
 
 # The times of the laws, each of which is about the delay of a slow signal.
 _TIME = "s"
@@ -17,7 +13,7 @@ _LONG = 1.0
 
 
 def common_lag(
-    answer: "Candidate", effects: Sequence["NamedEffect"], rivals: Sequence["Candidate"]
+    answer: Candidate, effects: Sequence[NamedEffect], rivals: Sequence[Candidate]
 ) -> str:
     """Return the lag that an answer and its rivals share, with the places that it may have.
 
@@ -47,7 +43,7 @@ def common_lag(
     return f"a lag of {_told(times)}, of {' or of '.join(dict.fromkeys(places))}"
 
 
-def _own_lag(candidate: "Candidate", shared: set[str]) -> int | None:
+def _own_lag(candidate: Candidate, shared: set[str]) -> int | None:
     """Return which of the effects is the only one that is not shared, if that is a lag."""
     own = [index for index, name in enumerate(candidate.names) if name not in shared]
     if len(own) != 1 or candidate.fit.extended.attached[own[0]].effect.family is not Family.LAG:

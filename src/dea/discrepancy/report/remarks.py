@@ -2,19 +2,16 @@
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.outliers import count_outliers
-from dea.discrepancy.evidence.split import LONG_ENOUGH, rounded_down
-from dea.discrepancy.fit import CLOSE, at_bounds, at_prior_bounds
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.fitting.fit import CLOSE, at_bounds, at_prior_bounds
+from dea.discrepancy.problem.split import LONG_ENOUGH, rounded_down
 from dea.discrepancy.report.sentence import label_in_words, labels_in_words
 from dea.simulation import TIMING_OFFSET, Family
-
-if TYPE_CHECKING:
-    from dea.discrepancy.diagnosis import Diagnosis
 
 # The values were chosen: they change what is said besides, and no verdict.
 # Sampling intervals from which a timing offset is worth a remark, and its standard deviations.
@@ -31,7 +28,7 @@ _RARE = 0.1
 _PARAMETER = re.compile(r"^(.+?)\.(?:record_(\d+)\.)?([^.]+)$")
 
 
-def remarks(found: "Diagnosis") -> tuple[str, ...]:
+def remarks(found: Findings) -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence.
 
     Priors that the record contradicts come last: they may be all that is wrong.
@@ -44,7 +41,7 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
     return tuple(text for text in texts if text)
 
 
-def remainder(found: "Diagnosis") -> str:
+def remainder(found: Findings) -> str:
     """Say how much of what is left could be predicted, whatever the verdict is."""
     left = "the answer leaves" if found.decision.answer else "the simulation alone leaves"
     percent = f"{100 * found.unexplained.predicted:.0f} %"
@@ -55,7 +52,7 @@ def remainder(found: "Diagnosis") -> str:
     )
 
 
-def _timing(found: "Diagnosis") -> str:
+def _timing(found: Findings) -> str:
     """Say by how much the output is logged early or late, and what may pass for that."""
     fitted, problem = found.final, found.problem
     if found.decision.status not in (Status.NAMED, Status.NONE):
@@ -84,7 +81,7 @@ def _timing(found: "Diagnosis") -> str:
     )
 
 
-def _inexact(found: "Diagnosis") -> bool:
+def _inexact(found: Findings) -> bool:
     """Return whether more than noise is left, or a named law is at a bound that is not its prior.
 
     What a law lacks then shows in other parameters, of which an offset in time is one.
@@ -97,14 +94,14 @@ def _inexact(found: "Diagnosis") -> bool:
     return max(left) > most or bool((bound & of_law).any())
 
 
-def _dated(found: "Diagnosis") -> str:
+def _dated(found: Findings) -> str:
     """Say that the certified samples told when an event happened."""
     if not found.certificate.dated:
         return ""
     return "When it happened was found on the certified samples, which do not certify that."
 
 
-def _close(found: "Diagnosis") -> str:
+def _close(found: Findings) -> str:
     """Say that the certified samples are less apart from the others than they ought to be."""
     parts, problem = found.split, found.problem
     if not parts.close:
@@ -121,7 +118,7 @@ def _close(found: "Diagnosis") -> str:
     )
 
 
-def _rare(found: "Diagnosis") -> str:
+def _rare(found: Findings) -> str:
     """Say that the samples are too far apart for any dynamics to be seen."""
     if found.split.slowest >= _RARE or found.split.slowest == 0.0:
         return ""
@@ -131,7 +128,7 @@ def _rare(found: "Diagnosis") -> str:
     )
 
 
-def _outliers(found: "Diagnosis") -> str:
+def _outliers(found: Findings) -> str:
     """Say how many samples lie far from their neighbours."""
     problem = found.problem
     if problem.decimation > 1:
@@ -146,7 +143,7 @@ def _outliers(found: "Diagnosis") -> str:
     )
 
 
-def _excluded(found: "Diagnosis") -> str:
+def _excluded(found: Findings) -> str:
     """Name effects of the first of several explanations whose presence contradicts it."""
     if found.decision.status is not Status.AMBIGUOUS or found.decision.answer is None:
         return ""
@@ -166,7 +163,7 @@ def _excluded(found: "Diagnosis") -> str:
     )
 
 
-def _bounds(found: "Diagnosis") -> str:
+def _bounds(found: Findings) -> str:
     """Name the simulation's own parameters that the record would have beyond their priors.
 
     An effect may stand for them: they are then at their bounds without it alone. Where they alone
@@ -196,7 +193,7 @@ def _at_their_bounds(names: Sequence[str]) -> str:
     return f"Of the simulation's own parameters {told} {bounds}"
 
 
-def _laws(found: "Diagnosis") -> str:
+def _laws(found: Findings) -> str:
     """Name the parameters of the named laws that are at their bounds."""
     answer = found.decision.answer
     away: dict[str, list[str]] = {}
@@ -211,7 +208,7 @@ def _laws(found: "Diagnosis") -> str:
     return f"{' and '.join(told)}, which counts against {'it' if len(told) == 1 else 'them'}."
 
 
-def _force(found: "Diagnosis") -> str:
+def _force(found: Findings) -> str:
     """Say how a force looks that would explain what no effect does."""
     force = found.force
     if found.decision.status is not Status.UNKNOWN or force is None or force.part < _FORCE:
@@ -223,7 +220,7 @@ def _force(found: "Diagnosis") -> str:
     )
 
 
-def _noise(found: "Diagnosis") -> str:
+def _noise(found: Findings) -> str:
     """Say what the best explanation leaves beyond white noise."""
     error, unit = found.error, found.units[1]
     if found.decision.reason in (Reason.NOISE, Reason.ACCURATE, Reason.UNEVEN):

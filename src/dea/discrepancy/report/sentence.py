@@ -1,23 +1,21 @@
 """A diagnosis in words."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
+from dea.discrepancy.evidence.certificate import Certified
 from dea.discrepancy.evidence.localisation import Localisation
-from dea.discrepancy.problem import rmse
+from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.fitting.fit import Fit
+from dea.discrepancy.problem.problem import rmse
+from dea.discrepancy.report.estimates import estimates_beyond_priors
 from dea.discrepancy.report.lags import common_lag
+from dea.discrepancy.report.verdict import Estimate, NamedEffect
 from dea.discrepancy.rules import misfit
 from dea.effect_label import joined, name_and_place, place_in_words
 from dea.number_format import estimate, quantity, share, written_out
-
-if TYPE_CHECKING:
-    from dea.discrepancy.diagnosis import Diagnosis
-    from dea.discrepancy.evidence.certificate import Certified
-    from dea.discrepancy.evidence.residual_model import ResidualModel
-    from dea.discrepancy.fit import Fit
-    from dea.discrepancy.report.verdict import Estimate, NamedEffect
-    from dea.discrepancy.search.candidates import Candidate
 
 # The bin of each quantity that the residual is concentrated in.
 _PHRASES: Mapping[str, str] = {
@@ -68,13 +66,13 @@ def where_sentence(found: Localisation) -> str:
 
 
 def verdict_sentence(
-    found: "Diagnosis", effects: Sequence["NamedEffect"], notes: Sequence[str] = ()
+    found: Findings, effects: Sequence[NamedEffect], notes: Sequence[str] = ()
 ) -> str:
     """Say what a diagnosis found, the finding first; ``effects`` are those that are named."""
     return written_out(" ".join([_finding(found, effects), *notes]))
 
 
-def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
+def _finding(found: Findings, effects: Sequence[NamedEffect]) -> str:
     unit, noise_floor = found.units[1], found.noise_floor
     decision, block, unexplained = found.decision, found.certificate.block, found.unexplained
     place = f"near the simulation's priors {where_sentence(found.where.before)}"
@@ -140,17 +138,17 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     return f"{probably}{removed}: {proof}.{doubt}{_form(found)} {place}."
 
 
-def _excluding_priors(found: "Diagnosis", freed: "Fit") -> str:
+def _excluding_priors(found: Findings, freed: Fit) -> str:
     """Say at which values, beyond their priors, the simulation's parameters need no effect."""
-    unit = found.units[1]
+    unit, beyond = found.units[1], estimates_beyond_priors(found)
     told = [
         f"{name.replace('_', ' ')} "
         f"{estimate(each.value, each.low, each.high, each.unit, at_bound=each.at_bound)} "
         f"(declared {quantity(each.prior, each.unit)})"
-        for name, each in found.beyond_priors.items()
+        for name, each in beyond.items()
     ]
     left = rmse(freed.residual, found.problem.certify)
-    names = " and ".join(name.replace("_", " ") for name in found.beyond_priors)
+    names = " and ".join(name.replace("_", " ") for name in beyond)
     return (
         "Nothing is named, because the declared priors exclude this device: "
         f"with {' and '.join(told)} the simulation alone has an error of {left:.3g} {unit} on the "
@@ -160,7 +158,7 @@ def _excluding_priors(found: "Diagnosis", freed: "Fit") -> str:
     )
 
 
-def _against(found: "Diagnosis") -> str:
+def _against(found: Findings) -> str:
     """Say with what, and on which records, the error grew, or fell less than on other samples."""
     chosen, records = found.decision.chosen, found.decision.contradicted
     if chosen is None or not records:
@@ -175,7 +173,7 @@ def _against(found: "Diagnosis") -> str:
     return f" (with {laws} the error {changes})"
 
 
-def _change(block: "Certified", unit: str) -> str:
+def _change(block: Certified, unit: str) -> str:
     """Say how an error changes, and that it falls only where the numbers shown do."""
     before, after = f"{block.before:.3g}", f"{block.after:.3g}"
     if float(after) < float(before):
@@ -183,7 +181,7 @@ def _change(block: "Certified", unit: str) -> str:
     return f"is {before} {unit} before and {after} {unit} after"
 
 
-def _removed(found: "Diagnosis") -> str:
+def _removed(found: Findings) -> str:
     """Say how much of the gap is removed; a course in time may not show on blocks left out."""
     removed = found.share
     if removed is None:
@@ -193,7 +191,7 @@ def _removed(found: "Diagnosis") -> str:
     return f"{share(removed.value, removed.low, removed.high)} of the gap"
 
 
-def _further(found: "Diagnosis") -> str:
+def _further(found: Findings) -> str:
     """Say what else is likely."""
     named = {str(a.effect.family) for a in found.extended.extended.attached}
     likely = [
@@ -205,7 +203,7 @@ def _further(found: "Diagnosis") -> str:
     return f"What remains is not named{hint}: {where_sentence(found.where.after)}."
 
 
-def equation_sentence(unexplained: "ResidualModel") -> str:
+def equation_sentence(unexplained: ResidualModel) -> str:
     """Return the equation for the simulation's residual as a sentence, if it explains anything."""
     explained = 100 * unexplained.explained
     if explained < _LEAST_SHARE:
@@ -216,7 +214,7 @@ def equation_sentence(unexplained: "ResidualModel") -> str:
     )
 
 
-def _nearest(found: "Diagnosis") -> str:
+def _nearest(found: Findings) -> str:
     """Name the effect that most of the explanations hold, where it explains anything."""
     likely = [name for name, value in found.presence.effects.items() if value >= found.rules.likely]
     if not likely:
@@ -232,7 +230,7 @@ def _nearest(found: "Diagnosis") -> str:
     )
 
 
-def law_too_poor(found: "Diagnosis") -> bool:
+def law_too_poor(found: Findings) -> bool:
     """Return whether the certified error shows that the laws named as all of the answer are poor.
 
     What looks like coloured noise is not held against them.
@@ -243,12 +241,12 @@ def law_too_poor(found: "Diagnosis") -> bool:
     return found.certificate.block.after > found.rules.poor * found.floor
 
 
-def _leaves_coloured_noise(found: "Diagnosis") -> bool:
+def _leaves_coloured_noise(found: Findings) -> bool:
     coloured = found.decision.reason is Reason.COLOURED
     return coloured and found.certificate.block.after > found.rules.poor * found.stated_floor
 
 
-def _form(found: "Diagnosis") -> str:
+def _form(found: Findings) -> str:
     """Say what an answer leaves beyond what a complete simulation would."""
     left = f"{found.certificate.block.after / found.noise_floor:.2g} noise floors"
     if _leaves_coloured_noise(found):
@@ -271,7 +269,7 @@ def labels_in_words(labels: Iterable[str]) -> str:
     return " and ".join(label_in_words(label) for label in labels)
 
 
-def rivals_told(found: "Diagnosis") -> list["Candidate"]:
+def rivals_told(found: Findings) -> list[Candidate]:
     """Return the rivals to report; beside a name those that the evidence excludes are left out.
 
     Such a rival predicts held-out blocks as well, but these may be too few to exclude it.
@@ -283,7 +281,7 @@ def rivals_told(found: "Diagnosis") -> list["Candidate"]:
     return [c for c in decision.rivals if min(present.get(name, 0.0) for name in c.names) >= least]
 
 
-def rivals_in_words(found: "Diagnosis") -> list[str]:
+def rivals_in_words(found: Findings) -> list[str]:
     """Return each rival's effects, joined."""
     return [joined(map(_at_its_input, rival.names)) for rival in rivals_told(found)]
 
@@ -292,7 +290,7 @@ def _at_its_input(label: str) -> str:
     return " at ".join(part for part in name_and_place(label) if part)
 
 
-def _main(effect: "NamedEffect") -> str:
+def _main(effect: NamedEffect) -> str:
     """Say the parameters that tell most of an effect.
 
     Of a drift say where it begins and ends, and of a curve of the reading how far it

@@ -1,16 +1,13 @@
 """A simulation as a diagnosis has fitted it, as a file."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.fitting.fit import Fit
 from dea.simulation import save_extended
 
-if TYPE_CHECKING:
-    from dea.discrepancy.diagnosis import Diagnosis
-    from dea.discrepancy.fit import Fit
 
-
-def save_simulation(found: "Diagnosis", fit: "Fit", path: str | Path) -> None:
+def save_simulation(found: Findings, fit: Fit, path: str | Path) -> None:
     """Write a simulation as a diagnosis has fitted it, with the start of the first record.
 
     Raises

@@ -2,13 +2,13 @@
 
 from dataclasses import asdict
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dea.discrepancy.decision import Status
-from dea.discrepancy.problem import rmse
-from dea.discrepancy.report.estimates import estimates, quantities, quoted
+from dea.discrepancy.findings import Findings
+from dea.discrepancy.problem.problem import rmse
+from dea.discrepancy.report.estimates import estimates, estimates_beyond_priors, quantities, quoted
 from dea.discrepancy.report.remarks import remainder, remarks
 from dea.discrepancy.report.sentence import (
     law_too_poor,
@@ -20,11 +20,8 @@ from dea.discrepancy.report.verdict import Bend, Change, NamedEffect, Verdict
 from dea.discrepancy.rules import misfit
 from dea.simulation import Family, LawCourse, Port, law_courses
 
-if TYPE_CHECKING:
-    from dea.discrepancy.diagnosis import Diagnosis
 
-
-def verdict_of(found: "Diagnosis") -> Verdict:
+def verdict_of(found: Findings) -> Verdict:
     """Return the verdict with its sentence."""
     effects = _effects(found) if found.decision.answer else ()
     block, where = found.certificate.block, found.where
@@ -69,7 +66,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         ),
         whole=found.decision.whole,
         law_too_poor=law_too_poor(found),
-        beyond_priors=found.beyond_priors,
+        beyond_priors=estimates_beyond_priors(found),
         share=asdict(found.share) if found.share else None,
         presence={"effects": found.presence.effects, "families": found.presence.families},
         model_error=asdict(found.error) | {"level": found.error.level},
@@ -79,7 +76,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
     )
 
 
-def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
+def _effects(found: Findings) -> tuple[NamedEffect, ...]:
     extended = found.extended.extended
     rivals = tuple(rival.names for rival in rivals_told(found))
     result = []
@@ -110,7 +107,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
     return tuple(result)
 
 
-def _change(found: "Diagnosis", index: int) -> Change | None:
+def _change(found: Findings, index: int) -> Change | None:
     """Return what the effect ``index`` makes of a quantity in the course of a single record."""
     extended, effect = found.final.extended, found.final.extended.attached[index].effect
     if effect.port is not Port.TIME or effect.family is not Family.AGEING or extended.records > 1:
@@ -122,7 +119,7 @@ def _change(found: "Diagnosis", index: int) -> Change | None:
     return Change(course.value.name, course.value.unit, start, end)
 
 
-def _bend(found: "Diagnosis", index: int) -> Bend | None:
+def _bend(found: Findings, index: int) -> Bend | None:
     """Return how much the effect ``index`` bends, if it is a curve of the reading."""
     effect = found.final.extended.attached[index].effect
     curve = effect.port is Port.OUTPUT and effect.family is Family.CURVE
@@ -144,12 +141,12 @@ def _bend(found: "Diagnosis", index: int) -> Bend | None:
     )
 
 
-def _course(found: "Diagnosis", index: int) -> LawCourse | None:
+def _course(found: Findings, index: int) -> LawCourse | None:
     problem, final = found.problem, found.final
     return law_courses(final.extended, final.values, problem.u, problem.interval)[index]
 
 
-def _shares(found: "Diagnosis") -> list[float | None]:
+def _shares(found: Findings) -> list[float | None]:
     """Return what each effect contributes to the share of all, one after the other."""
     parts, removed = found.ladder.contributions, found.share
     if removed is None or len(parts) != len(found.ladder.rungs) - 1:

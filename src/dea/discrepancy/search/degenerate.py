@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.candidates import Candidate, best_of_each_set, judged
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import Round
 from dea.simulation import Family, Port, law_courses
 from dea.warm_up import LONGEST_WARM_UP

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from dea.discrepancy.evidence.period import exact_period
-from dea.discrepancy.parabola import vertex
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.spectrum import spectrum
+from dea.discrepancy.problem.parabola import vertex
+from dea.discrepancy.problem.period import exact_period
+from dea.discrepancy.problem.problem import Problem
+from dea.discrepancy.problem.spectrum import spectrum
 from dea.inputs import by_input
 
 _LINES = 2

@@ -6,8 +6,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.fitting.candidates import Candidate
+from dea.discrepancy.problem.problem import Problem
 from dea.effect_label import labelled
 from dea.inputs import by_input
 from dea.simulation import Effect, ExtendedSimulation

@@ -7,11 +7,11 @@ from math import ceil
 
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.parallel import Item, Result, in_parallel
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate, judged
+from dea.discrepancy.budget import Budget
+from dea.discrepancy.fitting.candidates import Candidate, judged
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.fitting.parallel import Item, Result, in_parallel
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 from dea.discrepancy.search.not_offered import NotOffered, Obstacle, never_tried, places
 from dea.discrepancy.search.screening import (

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem, rmse
-from dea.discrepancy.sensitivity import unabsorbed
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.fitting.sensitivity import unabsorbed
+from dea.discrepancy.problem.problem import Problem, rmse
 from dea.simulation import Effect, ExtendedSimulation, MotionRange, Scales, motion
 
 # Starts that get cheap steps beyond the kept ones, and fits that go on after them beyond the two

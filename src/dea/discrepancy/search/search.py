@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
+from dea.discrepancy.budget import Budget
 from dea.discrepancy.evidence.colour import leaves_coloured_noise
-from dea.discrepancy.fit import Fit, without
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.candidates import Candidate, best_of_each_set, judged
+from dea.discrepancy.fitting.fit import Fit, without
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import (
     Round,
     extend_by_each,

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, at, fit
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.fitting.fit import Fit, at, fit
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem, rmse
 from dea.errors import InputError
 from dea.simulation import ExtendedSimulation
 

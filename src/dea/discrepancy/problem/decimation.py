@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.problem import Samples
-from dea.discrepancy.spectrum import spectrum
+from dea.discrepancy.problem.noise import white_level
+from dea.discrepancy.problem.problem import Samples
+from dea.discrepancy.problem.spectrum import spectrum
 from dea.inputs import by_input, joined
 from dea.missing import filled
 from dea.simulation import InputInterpolation, at_steps

@@ -7,8 +7,8 @@ from math import prod
 
 import numpy as np
 
-from dea.discrepancy.fit import CLOSE, Fit, at_bounds
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import CLOSE, Fit, at_bounds
+from dea.discrepancy.problem.problem import Problem
 
 EffectSet = frozenset[str]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.sensitivity import sensitivities
+from dea.discrepancy.fitting.sensitivity import sensitivities
+from dea.discrepancy.problem.problem import Problem
 from dea.least_squares import Damping, Model, Point, minimise
 from dea.simulation import ExtendedSimulation, samples_of_each
 

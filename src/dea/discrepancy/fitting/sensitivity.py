@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem
 from dea.simulation import ExtendedSimulation
 
 # Step of the finite differences, in prior spreads.

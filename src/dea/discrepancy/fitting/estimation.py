@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Columns, Fit, fit
+from dea.discrepancy.fitting.parallel import in_parallel
+from dea.discrepancy.problem.problem import Problem
 from dea.simulation import TIMING_OFFSET
 
 # First steps from every start, how many of the best go on, and their steps and tolerance: priors

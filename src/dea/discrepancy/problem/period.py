@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.autocovariance import autocovariance
-from dea.discrepancy.parabola import vertex
+from dea.discrepancy.problem.parabola import vertex
 from dea.inputs import by_input
 
 # Correlation of the input with itself a period later, from which it repeats; and the part of the

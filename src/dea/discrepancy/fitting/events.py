@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fitting.fit import Columns, Fit, at, cost_of, fit
+from dea.discrepancy.problem.problem import Problem
 
 # Instants that are tried in the stretch around the certified block, and around the best of these.
 _TRIED, _AROUND = 64, 41

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dea.discrepancy.decimation import decimated, decimation_of, interpolation_of
-from dea.discrepancy.evidence.noise import quantisation, white_level
-from dea.discrepancy.evidence.split import Split, split
-from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.problem.decimation import decimated, decimation_of, interpolation_of
+from dea.discrepancy.problem.noise import quantisation, white_level
+from dea.discrepancy.problem.problem import Problem, Samples
+from dea.discrepancy.problem.split import Split, split
 from dea.discrepancy.settings import Settings
 from dea.errors import InputError
 from dea.inputs import by_input

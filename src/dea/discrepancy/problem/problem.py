@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from dea.discrepancy.evidence.noise import at_a_limit, quantisation, white_level
-from dea.discrepancy.evidence.period import period_of
-from dea.discrepancy.evidence.split import cut
+from dea.discrepancy.problem.noise import at_a_limit, quantisation, white_level
+from dea.discrepancy.problem.period import period_of
+from dea.discrepancy.problem.split import cut
 from dea.missing import filled, runs
 from dea.simulation import ExtendedSimulation, ShapedInput, samples_of_each
 

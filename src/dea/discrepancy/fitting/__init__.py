@@ -1,0 +1,1 @@
+"""Fits of the simulation and of its extensions to a record."""
