@@ -32,7 +32,7 @@ def run(peers_python: Path) -> list[Row]:
 def _simulation() -> Row:
     own = load_simulation("dea_membrane")
     extended = ExtendedSimulation(own)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     u = _volts(PIECE / RATE)
     extended.simulate(values, u, 1.0 / RATE)
     y, seconds = shortest(partial(extended.simulate, values, u, 1.0 / RATE), REPEATS)

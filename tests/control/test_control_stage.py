@@ -53,7 +53,7 @@ def files(tmp_path_factory):
     store.write(record_of(u, y, RATE), paths["record"], title="made")
     refine(estimate(tuple(map(Term.parse, TERMS)), u, y), u, y).save(paths["model"])
     simulation = prepared(load_simulation("dea_membrane"), u, 1 / RATE, 1e-3)
-    values = simulation.values(np.zeros(simulation.free.size))
+    values = simulation.layout.prior_means
     save_extended(simulation, values, 1 / RATE, paths["nominal"])
 
     class Sampled:
@@ -61,7 +61,7 @@ def files(tmp_path_factory):
 
     Sampled.u, Sampled.y = u, y
     lag = simulation.attach(catalogue()["sensor_lag"], measured_scales(simulation, values, Sampled))
-    save_extended(lag, lag.values(np.zeros(lag.free.size)), 1 / RATE, paths["extended"])
+    save_extended(lag, lag.layout.prior_means, 1 / RATE, paths["extended"])
     return paths | {"device": Path("config/devices/virtual_bench.yaml")}
 
 

@@ -37,7 +37,7 @@ def slow_carriage() -> tuple[Problem, ExtendedSimulation, np.ndarray]:
     frequency, damping, gain = own.parameters
     parameters = (replace(frequency, nominal=0.5), replace(damping, nominal=0.01), gain)
     extended = prepared(replace(own, parameters=parameters), U, INTERVAL, 1e-3)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     everything = np.ones(U.size, bool)
     y = extended.simulate(values, U, INTERVAL)
     y += NOISE * np.random.default_rng(3).standard_normal(U.size)
@@ -47,14 +47,14 @@ def slow_carriage() -> tuple[Problem, ExtendedSimulation, np.ndarray]:
 def recorded(extended, values, **changed):
     values = values.copy()
     for name, value in changed.items():
-        values[extended.names.index(name.replace("__", "."))] = value
+        values[extended.layout.names.index(name.replace("__", "."))] = value
     y = extended.simulate(values, -U, INTERVAL)
     return Samples(-U, y + NOISE * np.random.default_rng(2).standard_normal(U.size), INTERVAL)
 
 
 def test_elsewhere_only_the_state_at_the_start_is_fitted():
     problem, extended, values = slow_carriage()
-    fitted = at(problem, extended, extended.coordinates(values))
+    fitted = at(problem, extended, extended.layout.coordinates(values))
     others = {
         "moving": recorded(extended, values, initial__position=0.2, initial__velocity=5.0),
         "stiffer": recorded(extended, values, natural_frequency=0.7),
@@ -101,13 +101,16 @@ def settling_device():
         force_ports=(),
     )
     extended = prepared(own, U, INTERVAL, 1e-3)
-    values = extended.values(np.zeros(extended.free.size))
-    values[[extended.names.index(f"initial.{name}") for name in ("fast", "slow")]] = 3.0, -3.0
+    values = extended.layout.prior_means
+    values[[extended.layout.names.index(f"initial.{name}") for name in ("fast", "slow")]] = (
+        3.0,
+        -3.0,
+    )
     everything = np.ones(U.size, bool)
     y = extended.simulate(values, U, INTERVAL)
     y += NOISE * np.random.default_rng(3).standard_normal(U.size)
     problem = Problem(U, y, INTERVAL, everything, everything, everything, NOISE)
-    return at(problem, extended, extended.coordinates(values)), extended, values
+    return at(problem, extended, extended.layout.coordinates(values)), extended, values
 
 
 def test_a_start_that_is_known_is_not_given_up_for_an_error_of_the_law():
@@ -162,15 +165,15 @@ def quick_device():
     )  # fmt: skip
     half = U.size // 2
     extended = prepared(own, U, INTERVAL, 1e-3, (half, half))
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     for record, start in zip(("", "record_2."), STARTS, strict=True):
         for name, value in zip(("fast", "slow"), start, strict=True):
-            values[extended.names.index(f"{record}initial.{name}")] = value
+            values[extended.layout.names.index(f"{record}initial.{name}")] = value
     y = extended.simulate(values, U, INTERVAL)
     y += NOISE * np.random.default_rng(3).standard_normal(U.size)
     everything = np.ones(U.size, bool)
     problem = Problem(U, y, INTERVAL, everything, everything, everything, NOISE)
-    return at(problem, extended, extended.coordinates(values))
+    return at(problem, extended, extended.layout.coordinates(values))
 
 
 def memory(residual):

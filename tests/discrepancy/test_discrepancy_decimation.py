@@ -122,14 +122,14 @@ def test_a_decimated_record_is_simulated_as_the_whole_one(size, highest):
     """
     u, own = np.minimum(2.3 + size * multisine(1.0), highest), load_simulation("dea_film")
     whole = ExtendedSimulation(own, substeps=4)
-    y = whole.simulate(whole.values(np.zeros(whole.free.size)), u, 1 / RATE)
+    y = whole.simulate(whole.layout.prior_means, u, 1 / RATE)
     noisy = Samples(u, y + 0.005 * np.std(y) * RNG.standard_normal(y.size), 1 / RATE)
     problem, _, extended = prepare([noisy], own, SETTINGS)
     assert problem.oversampled
     assert problem.decimation < decimation_of([noisy], SETTINGS.budget.decimated)
     assert extended.substeps == 1
     step = problem.decimation
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     found = extended.simulate(values, problem.u, step / RATE)
     recorded = extended.as_recorded.simulate(values, u, 1 / RATE)
     assert np.std((found - y[::step])[20:]) < 0.0025 * np.std(y)
@@ -165,5 +165,5 @@ def test_a_record_is_decimated_to_no_fewer_samples_than_the_budget_says(seconds,
     problem, _, extended = prepare([record(u)], own, settings)
     assert problem.interval == pytest.approx(1 / rate)
     assert problem.recorded_interval == pytest.approx(1 / RATE)
-    timing = extended.parameters[extended.names.index("timing_offset")]
+    timing = extended.layout.parameters[extended.layout.names.index("timing_offset")]
     assert timing.spread == pytest.approx(0.4 / RATE)

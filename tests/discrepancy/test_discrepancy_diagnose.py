@@ -157,7 +157,7 @@ def test_how_far_a_reading_bends_is_that_of_what_bent_it():
     rng = np.random.default_rng(4)
     u = np.repeat(rng.uniform(-2.0, 2.0, 60), 25)
     extended = prepared(CARRIAGE, u, 0.02, 1e-4)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 0.02)
+    y = extended.simulate(extended.layout.prior_means, u, 0.02)
     low, high = y.min(), y.max()
     bent = y - 0.3 * (y - low) * (high - y) / (high - low)
     line = np.polynomial.Polynomial.fit(y, bent, 1)

@@ -22,12 +22,16 @@ def law_of(parameters, coordinates, defining="", units=MappingProxyType({}), hig
     """A fit of a law with these parameters, and the law as it is attached."""
     attached = SimpleNamespace(parameters=parameters, effect=SimpleNamespace(defining=defining))
     extended = SimpleNamespace(
-        effect_slices=[slice(0, len(parameters))],
         attached=[attached],
-        free=np.arange(len(parameters)),
-        at_start=np.array([p.at_start for p in parameters]),
-        own_unit=lambda attached, each: units.get(each.at_port, (0.0, 1.0, each.unit)),
-        bounds=(np.full(len(parameters), -10.0), np.full(len(parameters), high)),
+        layout=SimpleNamespace(
+            effect_slices=[slice(0, len(parameters))],
+            free=np.arange(len(parameters)),
+            at_start=np.array([p.at_start for p in parameters]),
+            bounds=(np.full(len(parameters), -10.0), np.full(len(parameters), high)),
+        ),
+        places=SimpleNamespace(
+            own_unit=lambda attached, each: units.get(each.at_port, (0.0, 1.0, each.unit))
+        ),
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
     return SimpleNamespace(extended=extended, coordinates=coordinates, values=values), attached
@@ -73,13 +77,15 @@ def test_what_parameters_amount_to_has_an_interval_by_their_covariance():
         high=2.0,
     )
     attached.scales = REFERENCE
-    fit.extended.values = lambda coordinates: coordinates
+    fit.extended.layout.values = lambda coordinates: coordinates
     attached.effect.quantities = (
         Quantity("sum", "even", lambda q, scales: q[0] + q[1] + scales.duration),
         Quantity("bounded", "odd", lambda q, _: q[0]),
     )
     covariance = np.array([[0.2501, -0.25], [-0.25, 0.2501]])
-    unbounded = SimpleNamespace(**{**vars(fit.extended), "bounds": (np.full(2, -9), np.full(2, 9))})
+    wide = {"bounds": (np.full(2, -9), np.full(2, 9))}
+    layout = SimpleNamespace(**{**vars(fit.extended.layout), **wide})
+    unbounded = SimpleNamespace(**{**vars(fit.extended), "layout": layout})
     free = SimpleNamespace(extended=unbounded, coordinates=fit.coordinates, values=fit.values)
     found = quantities(free, 0, covariance)["sum"]
     assert (found.value, found.unit) == (5.0 * (3.0 + REFERENCE.duration), "mN")
@@ -142,8 +148,10 @@ def fit_of(residual, coordinates, low=-np.inf):
     columns = [(residual(coordinates + s) - residual(coordinates - s)) / 2e-6 for s in step]
     extended = SimpleNamespace(
         simulation=SimpleNamespace(accuracy=0.0),
-        bounds=(low + np.zeros(coordinates.size), np.full(coordinates.size, np.inf)),
-        values=lambda x: x,
+        layout=SimpleNamespace(
+            bounds=(low + np.zeros(coordinates.size), np.full(coordinates.size, np.inf)),
+            values=lambda x: x,
+        ),
     )
     found = residual(coordinates)
     problem = as_problem(found.size, residual)

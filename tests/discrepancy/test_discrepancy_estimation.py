@@ -20,7 +20,7 @@ INPUT = np.repeat(np.random.default_rng(1).uniform(-1, 1, 80), 25)
 def explained(error):
     """Return a record of a bent reading with an ``error`` that moves with it, and a law's fit."""
     extended = prepared(CARRIAGE, INPUT, INTERVAL, tolerance=1e-4)
-    still = extended.values(np.zeros(extended.free.size))
+    still = extended.layout.prior_means
     y = extended.simulate(still, INPUT, INTERVAL)
     scale = float(np.std(y))
     y = y + 0.2 * (y - y.mean()) ** 2 / scale + error * scale * np.sin(9.0 * y / scale)
@@ -30,7 +30,9 @@ def explained(error):
     problem = Problem(INPUT, y, INTERVAL, *masks, NOISE * scale, 1e-4, extended.substeps)
     scales = measured_scales(extended, still, problem)
     law = extended.attach(catalogue()["sensor_nonlinearity"], scales)
-    start = law.coordinates(np.r_[still, catalogue()["sensor_nonlinearity"].starts(scales)[0]])
+    start = law.layout.coordinates(
+        np.r_[still, catalogue()["sensor_nonlinearity"].starts(scales)[0]]
+    )
     return problem, fit(problem, law, start, iterations=60, tolerance=1e-8)
 
 
@@ -48,7 +50,7 @@ def test_the_laws_of_one_that_leaves_more_return_towards_their_priors():
     within = with_its_error(problem, fitted, CLEAN)
     assert within.noise == pytest.approx(left)
     again = at_its_error(problem, fitted, CLEAN)
-    laws = fitted.extended.of_laws
+    laws = fitted.extended.layout.of_laws
     assert np.linalg.norm(again.coordinates[laws]) < 0.8 * np.linalg.norm(fitted.coordinates[laws])
     assert again.cost < cost_of(fitted.residual, fitted.coordinates, within)
     # What they give up is within the error that remains anyway.

@@ -20,18 +20,18 @@ PARTS = split(INPUT, INTERVAL, 0.1)
 def stepped(place, started):
     """Return a problem in which the output is shifted at ``place`` (s), and a fit of that."""
     extended = prepared(load_simulation("mass_spring_damper"), INPUT, INTERVAL, 1e-4)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), INPUT, INTERVAL)
+    y = extended.simulate(extended.layout.prior_means, INPUT, INTERVAL)
     y += STEP * (INTERVAL * np.arange(SIZE) >= place)
     y += NOISE * np.random.default_rng(2).standard_normal(SIZE)
     masks = PARTS.fit, PARTS.select, PARTS.certify
     problem = Problem(INPUT, y, INTERVAL, *masks, NOISE, 1e-4, extended.substeps)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(started,))
     law = extended.attach(catalogue()["step_fault"], scales)
     start = law.attached[0].started(
         (started, 0.0, STEP, 4 * INTERVAL, 0.0, *ENDS[::-1], 0.0, *ENDS, 6.0, 1.2, 0.0)
     )
-    values = law.coordinates(np.concatenate([nominal.values, start]))
+    values = law.layout.coordinates(np.concatenate([nominal.values, start]))
     return problem, fit(problem, law, values, iterations=40)
 
 
@@ -46,11 +46,11 @@ def test_an_event_in_the_certified_block_is_dated_there(truth, guess):
     problem, fitted = stepped(certified(truth), certified(guess))
     assert rmse(fitted.residual, problem.certify) > 20 * NOISE
     dated = with_events_dated(problem, fitted)
-    names = dated.extended.names
+    names = dated.extended.layout.names
     instant = dated.values[names.index("step_fault.instant")]
     assert instant == pytest.approx(certified(truth), abs=3 * INTERVAL)
     assert rmse(dated.residual, problem.certify) < 1.5 * NOISE
-    others = ~dated.extended.events
+    others = ~dated.extended.layout.events
     assert np.allclose(dated.coordinates[others], fitted.coordinates[others], atol=1e-12)
 
 
@@ -66,21 +66,21 @@ def test_an_event_that_a_fit_left_a_few_samples_outside_is_dated_in_the_certifie
         made = extended.attach(law, scales)
         event = (instant, -0.3, 0.0, INTERVAL, 0.0, *ENDS[::-1], 0.0, *ENDS, 6.0, 1.2, 0.0)
         start = made.attached[0].started(event)
-        own = extended.values(np.zeros(extended.free.size))
+        own = extended.layout.prior_means
         return made, np.concatenate([own, start])
 
     masks = PARTS.fit, PARTS.select, PARTS.certify
     problem = Problem(INPUT, INPUT, INTERVAL, *masks, NOISE, 1e-4, extended.substeps)
-    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    scales = measured_scales(extended, extended.layout.prior_means, problem)
     made, truth = broken(scales, certified(0.6))
     y = made.simulate(truth, INPUT, INTERVAL)
     y += NOISE * np.random.default_rng(2).standard_normal(SIZE)
     problem = replace(problem, y=y)
     made, left = broken(scales, last_seen - samples * INTERVAL)
-    fitted = at(problem, made, made.coordinates(left))
+    fitted = at(problem, made, made.layout.coordinates(left))
     assert rmse(fitted.residual, problem.certify) > 20 * NOISE
     dated = with_events_dated(problem, fitted)
-    instant = dated.values[dated.extended.names.index("step_fault.instant")]
+    instant = dated.values[dated.extended.layout.names.index("step_fault.instant")]
     assert instant == pytest.approx(certified(0.6), abs=3 * INTERVAL)
     assert rmse(dated.residual, problem.certify) < 1.5 * NOISE
 

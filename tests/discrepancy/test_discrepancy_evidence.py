@@ -545,7 +545,8 @@ def test_the_dictionary_holds_what_its_names_say():
 
 def attached(*labels):
     """A fit whose extension holds effects of these labels."""
-    return SimpleNamespace(extended=SimpleNamespace(attached=labels, label=lambda name: name))
+    places = SimpleNamespace(label=lambda name: name)
+    return SimpleNamespace(extended=SimpleNamespace(attached=labels, places=places))
 
 
 def evidence_of(samples):

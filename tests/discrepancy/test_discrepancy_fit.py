@@ -55,8 +55,8 @@ def recorded(seed: int) -> tuple[Problem, "object", np.ndarray]:
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-1, 1, 60), 25)
     extended = prepared(CARRIAGE, u, INTERVAL, tolerance=1e-4)
-    truth = rng.uniform(-1, 1, extended.free.size)
-    simulated = extended.simulate(extended.values(truth), u, INTERVAL)
+    truth = rng.uniform(-1, 1, extended.layout.free.size)
+    simulated = extended.simulate(extended.layout.values(truth), u, INTERVAL)
     y = simulated + 0.01 * rng.standard_normal(u.size)
     parts = split(u, INTERVAL, 0.1)
     problem = Problem(u, y, INTERVAL, parts.fit, parts.select, parts.certify, noise=0.01)
@@ -69,7 +69,7 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
 
 def test_derivatives_do_not_depend_on_the_number_of_threads():
     problem, extended = carriage(2)
-    start = np.zeros(extended.free.size)
+    start = np.zeros(extended.layout.free.size)
     alone = at(problem, extended, start)
     together = at(replace(problem, threads=3), extended, start)
     assert np.array_equal(together.jacobian, alone.jacobian)
@@ -82,7 +82,7 @@ def test_the_fit_ends_where_a_simplex_search_from_the_truth_ends(seed):
 
     def cost(coordinates):
         return cost_of(
-            problem.residual(extended, extended.values(coordinates)), coordinates, problem
+            problem.residual(extended, extended.layout.values(coordinates)), coordinates, problem
         )
 
     found = fit(problem, extended, np.zeros(truth.size), iterations=100, tolerance=1e-9)
@@ -94,15 +94,19 @@ def test_the_fit_ends_where_a_simplex_search_from_the_truth_ends(seed):
 
 def test_a_fit_without_an_effect_is_the_rest_of_it():
     problem, extended = carriage(4)
-    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
-    rest = np.linspace(-0.3, 0.3, extended.free.size)
+    told = measured_scales(extended, extended.layout.prior_means, problem)
+    rest = np.linspace(-0.3, 0.3, extended.layout.free.size)
     longer, starts = extended, []
     for name in ("dead_zone", "sensor_lag"):
         longer = longer.attach(catalogue()[name], told)
         starts.append(catalogue()[name].starts(told)[0])
-    both = at(problem, longer, longer.coordinates(np.r_[extended.values(rest), *starts]))
+    both = at(
+        problem, longer, longer.layout.coordinates(np.r_[extended.layout.values(rest), *starts])
+    )
     lagged = extended.attach(catalogue()["sensor_lag"], told)
-    expected = at(problem, lagged, lagged.coordinates(np.r_[extended.values(rest), starts[1]]))
+    expected = at(
+        problem, lagged, lagged.layout.coordinates(np.r_[extended.layout.values(rest), starts[1]])
+    )
     found = without(problem, both, 0)
     assert [a.effect.name for a in found.extended.attached] == ["sensor_lag"]
     assert np.allclose(found.coordinates, expected.coordinates)
@@ -111,7 +115,7 @@ def test_a_fit_without_an_effect_is_the_rest_of_it():
 
 def test_held_coordinates_stay():
     problem, extended = carriage(4)
-    held = np.arange(extended.free.size) == 1
+    held = np.arange(extended.layout.free.size) == 1
     found = fit(problem, extended, np.full(held.size, 0.3), columns=Columns(held=held))
     assert found.coordinates[1] == 0.3
     assert (found.coordinates[~held] != 0.3).all()
@@ -267,17 +271,18 @@ def test_a_gap_is_found_where_it_is():
 
 def test_columns_of_the_reading_are_those_of_whole_simulations():
     problem, extended = carriage(5)
-    plain = at(problem, extended, np.zeros(extended.free.size))
+    plain = at(problem, extended, np.zeros(extended.layout.free.size))
     for name in ("sensor_lag", "strain_stiffening", "baseline_drift"):
         told = measured_scales(extended, plain.values, problem)
         longer = extended.attach(catalogue()[name], told)
-        coordinates = np.full(longer.free.size, 0.1)
+        coordinates = np.full(longer.layout.free.size, 0.1)
         found = at(problem, longer, coordinates).jacobian
         for i in range(coordinates.size):
             moved = coordinates.copy()
             moved[i] += 1e-3
             there, here = (
-                longer.simulate(longer.values(c), problem.u, INTERVAL) for c in (moved, coordinates)
+                longer.simulate(longer.layout.values(c), problem.u, INTERVAL)
+                for c in (moved, coordinates)
             )
             slope = (here - there) / 1e-3
             assert np.allclose(found[:, i], slope, atol=1e-9 + 1e-6 * np.abs(slope).max())
@@ -285,7 +290,7 @@ def test_columns_of_the_reading_are_those_of_whole_simulations():
 
 def test_a_simulation_that_runs_away_on_samples_held_out_is_no_fit():
     problem, extended = carriage(6)
-    x = np.zeros(extended.free.size)
+    x = np.zeros(extended.layout.free.size)
     residual = np.where(problem.seen, 0.02, 0.0)
     assert cost_of(residual, x, problem) == pytest.approx(4.0 * problem.seen.sum())
     assert cost_of(np.where(problem.certify, np.inf, residual), x, problem) == np.inf
@@ -323,7 +328,7 @@ def test_where_all_folds_reach_beyond_the_others_all_blocks_are_dealt():
 
 def test_what_is_held_out_has_no_say_in_its_own_prediction():
     problem, extended = carriage(6)
-    fitted = fit(problem, extended, np.zeros(extended.free.size))
+    fitted = fit(problem, extended, np.zeros(extended.layout.free.size))
     predicted = problem.y - HeldOut(problem).residual(fitted)
     fold = folds(problem)[2]
     spoiled = problem.y + 0.05 * fold
@@ -336,12 +341,12 @@ def test_what_is_held_out_has_no_say_in_its_own_prediction():
 
 def test_held_out_gaps_are_those_of_fits_to_the_other_folds():
     problem, extended = carriage(7)
-    start = np.zeros(extended.free.size)
+    start = np.zeros(extended.layout.free.size)
     fitted = fit(problem, extended, start, tolerance=1e-9)
     expected = np.zeros(problem.u.size)
     for fold in folds(problem):
         part = problem.seeing(~fold)
-        held = Columns(held=extended.at_start)
+        held = Columns(held=extended.layout.at_start)
         only = fit(part, extended, fitted.coordinates, iterations=40, tolerance=1e-9, columns=held)
         expected[fold] = only.residual[fold]
     found = HeldOut(problem).residual(fitted)
@@ -411,7 +416,7 @@ def test_the_warm_up_of_every_record_stays_unused():
 def judged_by(problem, extended, nominal_error=0.0, noise=0.0, accuracy=0.0):
     rng = np.random.default_rng(0)
     nominal = replace(
-        at(problem, extended, np.zeros(extended.free.size)),
+        at(problem, extended, np.zeros(extended.layout.free.size)),
         residual=nominal_error * np.resize([1.0, -1.0], problem.u.size),
     )
     return Evidence(problem, nominal, HeldOut(problem), [], noise, accuracy, Rules(), rng)
@@ -431,7 +436,7 @@ def judged_by(problem, extended, nominal_error=0.0, noise=0.0, accuracy=0.0):
 )
 def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, after, expected):
     problem, extended = carriage(8)
-    fitted = at(problem, extended, np.zeros(extended.free.size))
+    fitted = at(problem, extended, np.zeros(extended.layout.free.size))
     nominal, final = (
         replace(fitted, residual=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
@@ -453,7 +458,7 @@ def test_an_answer_must_reduce_a_gap_that_is_as_large_on_the_certified_samples(
     A limit that is rarely reached need not be reached there.
     """
     problem, extended = carriage(8)
-    fitted = at(problem, extended, np.zeros(extended.free.size))
+    fitted = at(problem, extended, np.zeros(extended.layout.free.size))
     nominal, final = (
         replace(fitted, residual=np.where(problem.certify, there, else_))
         for there, else_ in ((9.0, elsewhere), (after, 1.0))
@@ -490,7 +495,8 @@ def test_certified_noise_is_compared_with_that_of_the_other_samples(reason, cert
 def test_other_records_can_only_withdraw_a_verdict(left_out, tested, reason):
     problem, extended = carriage(8)
     named = Decision(
-        Status.NAMED, Candidate(at(problem, extended, np.zeros(extended.free.size)), 0.0, 0.0, 0.0)
+        Status.NAMED,
+        Candidate(at(problem, extended, np.zeros(extended.layout.free.size)), 0.0, 0.0, 0.0),
     )
     evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
     others = ({"other": Certified(*errors, 100)} for errors in (left_out, tested))
@@ -508,7 +514,7 @@ def test_other_records_can_only_withdraw_a_verdict(left_out, tested, reason):
 )
 def test_beside_coloured_noise_an_answer_may_leave_as_much_elsewhere(reason, after, status):
     problem, extended = carriage(8)
-    answer = Candidate(at(problem, extended, np.zeros(extended.free.size)), 2.0, 2.0, 0.0)
+    answer = Candidate(at(problem, extended, np.zeros(extended.layout.free.size)), 2.0, 2.0, 0.0)
     named = Decision(Status.NAMED, answer, reason=reason)
     evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
     found = confirmed(named, evidence, answer.fit, {}, {"other": Certified(1.5, after, 100)})
@@ -519,7 +525,7 @@ def test_beside_coloured_noise_an_answer_may_leave_as_much_elsewhere(reason, aft
 def test_samples_that_dated_an_event_must_leave_as_little_as_those_seen(after, status):
     """Dating lowers their error, so that being below the simulation's says little."""
     problem, extended = carriage(8)
-    fitted = at(problem, extended, np.zeros(extended.free.size))
+    fitted = at(problem, extended, np.zeros(extended.layout.free.size))
     dated = replace(fitted, residual=np.where(problem.certify, after, 0.0))
     evidence = judged_by(problem, extended, nominal_error=9.0, noise=0.5)
     nominal = replace(fitted, residual=np.where(problem.certify, 9.0, 0.0))
@@ -544,7 +550,7 @@ def test_effects_of_one_family_are_one_class_wherever_they_attach():
     simulation = load_simulation("cascaded_tanks")
     extended = prepared(simulation, np.full(200, 3.0), 4.0, tolerance=1.0)
     told = measured_scales(
-        extended, extended.values(np.zeros(extended.free.size)),
+        extended, extended.layout.prior_means,
         Problem(np.linspace(0, 5, 200), np.linspace(0, 9, 200), 4.0, *np.ones((3, 200), bool)),
     )  # fmt: skip
 
@@ -571,7 +577,7 @@ def test_effects_of_one_family_are_one_class_wherever_they_attach():
 @pytest.mark.parametrize(("apart", "count"), [(0.0, 1), (2.0, 2)])
 def test_a_fit_is_a_further_base_where_it_is_far_from_the_refit(monkeypatch, apart, count):
     problem, extended = carriage(10)
-    here = at(problem, extended, np.full(extended.free.size, 0.6))
+    here = at(problem, extended, np.full(extended.layout.free.size, 0.6))
     moved = here.coordinates.copy()
     moved[0] += apart
     near = at(problem, extended, moved)
@@ -585,7 +591,7 @@ def test_a_fit_is_a_further_base_where_it_is_far_from_the_refit(monkeypatch, apa
 
 def test_no_candidate_starts_from_a_draw_that_runs_away(monkeypatch):
     problem, extended = carriage(10)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     tried = []
 
     def every_other_runs_away(*arguments):

@@ -24,12 +24,12 @@ def found():
     parts = split(u, INTERVAL, 0.1)
     block = np.flatnonzero(parts.fit)[:60]
     instant = INTERVAL * block[40]
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, INTERVAL)
+    y = extended.simulate(extended.layout.prior_means, u, INTERVAL)
     y += STEP * (INTERVAL * np.arange(SIZE) >= instant) + NOISE * rng.standard_normal(SIZE)
     problem = Problem(
         u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
     )
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     # The residual of the simulation alone may put the step a second late.
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(instant + 1.0,))
     law = extended.attach(catalogue()["step_fault"], scales)
@@ -37,14 +37,14 @@ def found():
     start = law.attached[0].started(
         (instant + 0.1, 0.0, STEP, 4 * INTERVAL, 0.0, *ends[::-1], 0.0, *ends, 6.0, 1.2, 0.0)
     )
-    place = law.coordinates(np.concatenate([nominal.values, start]))
+    place = law.layout.coordinates(np.concatenate([nominal.values, start]))
     return problem, fit(problem, law, place, iterations=40), instant
 
 
 def test_the_instant_of_an_event_is_that_of_the_fit_to_all_blocks(found):
     """Without its block nothing tells it, and the prior would move it by a second."""
     problem, fitted, instant = found
-    own = dict(zip(fitted.extended.names, fitted.values, strict=True))
+    own = dict(zip(fitted.extended.layout.names, fitted.values, strict=True))
     assert own["step_fault.instant"] == pytest.approx(instant, abs=2 * INTERVAL)
     dealt = folds(problem, fitted.records)
     [fold] = [each for each in dealt if each[round(instant / INTERVAL)]]
@@ -54,7 +54,7 @@ def test_the_instant_of_an_event_is_that_of_the_fit_to_all_blocks(found):
 
 def test_the_size_of_an_event_is_told_by_the_other_blocks(found):
     problem, fitted, _ = found
-    names = [fitted.extended.names[i] for i in fitted.extended.free]
+    names = [fitted.extended.layout.names[i] for i in fitted.extended.layout.free]
     spread = HeldOut(problem).spread(fitted)
     assert spread[names.index("step_fault.instant")] == pytest.approx(0.0, abs=1e-12)
     assert spread[names.index("step_fault.offset_step")] > 0.0
@@ -68,17 +68,17 @@ def drifting():
     extended = prepared(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
     time = INTERVAL * np.arange(SIZE)
     gain = 1.0 + 0.3 * np.sin(2.5 * np.pi * time / time[-1])
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), gain * u, INTERVAL)
+    y = extended.simulate(extended.layout.prior_means, gain * u, INTERVAL)
     y += NOISE * rng.standard_normal(SIZE)
     parts = split(u, INTERVAL, 0.1)
     problem = Problem(
         u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
     )
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     law = extended.attach(
         catalogue()["gain_drift"], measured_scales(extended, nominal.values, problem)
     )
-    return problem, fit(problem, law, np.zeros(law.free.size), iterations=40)
+    return problem, fit(problem, law, np.zeros(law.layout.free.size), iterations=40)
 
 
 @pytest.mark.slow
@@ -92,7 +92,9 @@ def test_a_course_in_time_is_interpolated_between_short_blocks(drifting):
 
 def test_what_a_course_is_compared_with_is_held_out_in_the_same_blocks(drifting):
     problem, fitted = drifting
-    alone = fit(problem, fitted.extended.without(0), np.zeros(fitted.extended.free.size)[:-12])
+    alone = fit(
+        problem, fitted.extended.without(0), np.zeros(fitted.extended.layout.free.size)[:-12]
+    )
     held_out = HeldOut(problem)
     long, short = held_out.residual(alone), held_out.residual(alone, fitted)
     assert not np.allclose(long, short)
@@ -104,7 +106,7 @@ def test_what_a_course_is_compared_with_is_held_out_in_the_same_blocks(drifting)
             alone.extended,
             alone.coordinates,
             iterations=6,
-            columns=Columns(held=alone.extended.at_start, kept=alone.jacobian),
+            columns=Columns(held=alone.extended.layout.at_start, kept=alone.jacobian),
         )
         assert np.array_equal(short[fold], again.residual[fold])
 

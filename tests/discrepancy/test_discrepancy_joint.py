@@ -22,8 +22,8 @@ def recorded(seed, start, interval=INTERVAL):
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-1, 1, 50), 25)
     extended = prepared(CARRIAGE, u, interval, 1e-5)
-    values = extended.values(np.zeros(extended.free.size))
-    values[extended.names.index("initial.position")] = start
+    values = extended.layout.prior_means
+    values[extended.layout.names.index("initial.position")] = start
     samples = Samples(u, u, interval)
     lagging = extended.attach(catalogue()["sensor_lag"], measured_scales(extended, values, samples))
     y = lagging.simulate(
@@ -46,7 +46,7 @@ def test_records_of_one_device_share_their_law_and_not_their_start():
     estimate = verdict.effects[0].parameters["time_constant"]
     assert estimate.low <= 0.15 <= estimate.high
     final = found.final
-    starts = [final.extended.of_record(final.values, k)[3] for k in (0, 1)]
+    starts = [final.extended.layout.of_record(final.values, k)[3] for k in (0, 1)]
     np.testing.assert_allclose(starts, [0.4, -0.3], atol=0.08)
     for record in ("record_1", "record_2"):
         left_out = verdict.certified["records"][record]

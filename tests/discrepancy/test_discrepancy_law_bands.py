@@ -22,10 +22,10 @@ RNG = np.random.default_rng(4)
 
 def extended_by(*names, simulation=CARRIAGE):
     extended = prepared(simulation, U, INTERVAL, 1e-4)
-    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), RECORD)
+    scales = measured_scales(extended, extended.layout.prior_means, RECORD)
     for name in names:
         extended = extended.attach(catalogue()[name], scales)
-    coordinates = np.zeros(extended.free.size)
+    coordinates = np.zeros(extended.layout.free.size)
     return Fit(extended, coordinates, np.zeros(U.size), np.zeros((U.size, coordinates.size)), 0.0)
 
 
@@ -36,15 +36,17 @@ def correlated(size, scale):
 
 
 def own_part(fit, index):
-    where = fit.extended.effect_slices[index]
-    return np.flatnonzero((fit.extended.free >= where.start) & (fit.extended.free < where.stop))
+    where = fit.extended.layout.effect_slices[index]
+    return np.flatnonzero(
+        (fit.extended.layout.free >= where.start) & (fit.extended.layout.free < where.stop)
+    )
 
 
 def courses_of(fit, coordinates):
     """The courses of laws elsewhere, on the motion of the fit."""
     extended = fit.extended
     motions = extended.motions(fit.values, U, INTERVAL)
-    return law_courses(extended, extended.values(coordinates), U, INTERVAL, motions)
+    return law_courses(extended, extended.layout.values(coordinates), U, INTERVAL, motions)
 
 
 def test_the_band_of_a_law_that_is_linear_in_its_parameters_is_exact():
@@ -81,9 +83,9 @@ def test_the_band_of_a_bent_law_is_that_of_draws():
 
 def test_a_parameter_at_its_bound_widens_the_band_to_one_side():
     fit = extended_by("dead_zone")
-    names = [fit.extended.names[i] for i in fit.extended.free]
+    names = [fit.extended.layout.names[i] for i in fit.extended.layout.free]
     at = names.index("dead_zone.gate")
-    fit.coordinates[at] = fit.extended.bounds[0][at]
+    fit.coordinates[at] = fit.extended.layout.bounds[0][at]
     C = np.zeros((fit.coordinates.size,) * 2)
     C[at, at] = 0.1
     [law] = banded_laws(RECORD, fit, C)
@@ -118,7 +120,7 @@ def test_the_course_of_a_force_is_that_in_the_middle_of_its_steps(name):
     fit = replace(fit, coordinates=np.full(fit.coordinates.size, 0.3))
     [course] = courses_of(fit, fit.coordinates)
     effect = catalogue()[name]
-    q = fit.values[fit.extended.effect_slices[0]]
+    q = fit.values[fit.extended.layout.effect_slices[0]]
     law, memory = np.zeros(32), np.zeros(32)
     law[: q.size] = q
     if effect.memory is not None:
@@ -140,7 +142,7 @@ def test_the_course_of_a_force_is_that_in_the_middle_of_its_steps(name):
 def test_the_band_of_an_event_is_of_what_is_shown():
     """Before the event nothing is uncertain, whatever else the event might do after it."""
     fit = extended_by("step_fault")
-    names = [fit.extended.names[i] for i in fit.extended.free]
+    names = [fit.extended.layout.names[i] for i in fit.extended.layout.free]
     moved = fit.coordinates.copy()
     moved[names.index("step_fault.gain_step")] = 1.0
     [law] = banded_laws(RECORD, replace(fit, coordinates=moved), np.eye(moved.size))
@@ -159,7 +161,7 @@ def test_a_force_is_drawn_in_the_unit_that_its_parameters_are_told_in():
     friction, zone = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
     defining = extended.attached[0].effect.defining
     parameter = next(p for p in extended.attached[0].parameters if p.name == defining)
-    _, size, unit = extended.own_unit(extended.attached[0], parameter)
+    _, size, unit = extended.places.own_unit(extended.attached[0], parameter)
     assert size != 1.0
     law = in_port_unit(friction, extended, extended.attached[0])
     assert (law.course.value.unit, law.course.value.name) == (unit, "force") == ("V/s^2", "force")
@@ -181,7 +183,7 @@ def test_a_stiffness_that_relaxes_is_drawn_in_the_unit_that_it_is_told_in():
     extended = fit.extended
     [creep] = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
     stiffness = next(p for p in extended.attached[0].parameters if p.name == "stiffness")
-    _, size, unit = extended.own_unit(extended.attached[0], stiffness)
+    _, size, unit = extended.places.own_unit(extended.attached[0], stiffness)
     assert size != 1.0
     law = in_port_unit(creep, extended, extended.attached[0])
     assert (law.course.value.unit, law.course.value.name) == (unit, "relaxed stiffness")

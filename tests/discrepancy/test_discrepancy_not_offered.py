@@ -26,12 +26,12 @@ PUSHING = {name: each for name, each in catalogue().items() if each.force is not
 def problem_of(simulation, u):
     """A record of the simulation itself, and the simulation fitted to it."""
     extended = prepared(simulation, u, INTERVAL, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     y = extended.simulate(values, u, INTERVAL)
     y = y + NOISE * np.random.default_rng(3).standard_normal(y.size)
     parts = split(u, INTERVAL, 0.1)
     problem = Problem(u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE)
-    return problem, fit(problem, extended, np.zeros(extended.free.size), iterations=2)
+    return problem, fit(problem, extended, np.zeros(extended.layout.free.size), iterations=2)
 
 
 def steps(count=1000, seed=1):

@@ -18,7 +18,7 @@ def fit_of(jacobian, coordinates, shapes=(), residual=None):
     return SimpleNamespace(
         jacobian=jacobian, coordinates=np.asarray(coordinates, float),
         residual=np.zeros(len(jacobian)) if residual is None else residual,
-        extended=SimpleNamespace(shapes=of_shape),
+        extended=SimpleNamespace(layout=SimpleNamespace(shapes=of_shape)),
     )  # fmt: skip
 
 

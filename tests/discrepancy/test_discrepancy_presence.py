@@ -91,9 +91,8 @@ def test_a_parameter_at_its_bound_counts_against_its_law():
 def test_an_effect_at_two_places_counts_twice():
     def at(*places):
         attached = [SimpleNamespace(name="end_stop", place=place) for place in places]
-        extended = SimpleNamespace(
-            attached=attached, name_of=lambda a: a.name, label=lambda a: f"{a.name}@{a.place}"
-        )
+        named = SimpleNamespace(name_of=lambda a: a.name, label=lambda a: f"{a.name}@{a.place}")
+        extended = SimpleNamespace(attached=attached, places=named)
         return Candidate(SimpleNamespace(extended=extended), 1.0, 1.0, 1.0)
 
     one, two = at("upper"), at("upper", "lower")

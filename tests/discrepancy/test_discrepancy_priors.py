@@ -20,9 +20,9 @@ def record_of(name, spreads, noise, distort=lambda y: y):
     """A record of a carriage with one parameter so many spreads from its nominal value."""
     u = np.repeat(np.random.default_rng(4).uniform(-2.0, 2.0, 60), 25)
     device = prepared(CARRIAGE, u, INTERVAL, 1e-4)
-    values = device.values(np.zeros(device.free.size))
-    at = device.names.index(name)
-    values[at] *= np.exp(spreads * device.parameters[at].spread)
+    values = device.layout.prior_means
+    at = device.layout.names.index(name)
+    values[at] *= np.exp(spreads * device.layout.parameters[at].spread)
     y = distort(device.simulate(values, u, INTERVAL)) + noise(u.size)
     return Record.of(u, y, 1.0 / INTERVAL, units=("V", "V")), float(values[at])
 

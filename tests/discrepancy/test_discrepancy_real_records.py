@@ -73,7 +73,7 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     assert verdict.status == "named", verdict.sentence
     assert verdict.names == ("strain_stiffening",)
     effect = catalogue()["strain_stiffening"]
-    where = diagnosis.final.extended.effect_slices[0]
+    where = diagnosis.final.extended.layout.effect_slices[0]
     q = diagnosis.final.values[where.start : where.stop]
     curve = effect.memory(q)
     z = np.linspace(0.2, 2.0, 10)

@@ -82,7 +82,7 @@ def hidden(*names, seed=1):
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-2, 2, 60), 25)
     extended = prepared(DEVICE, u, INTERVAL, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     everything = np.ones(u.size, bool)
     told = measured_scales(
         extended, values, Problem(u, u, INTERVAL, everything, everything, everything)
@@ -105,7 +105,7 @@ def hidden(*names, seed=1):
 
 def test_an_event_of_nothing_is_found_at_once_where_it_may_have_happened():
     problem, extended = hidden()
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     effect = catalogue()["step_fault"]
     told = replace(measured_scales(extended, nominal.values, problem), jumps=(12.0, 20.0))
     tried = []
@@ -117,9 +117,15 @@ def test_an_event_of_nothing_is_found_at_once_where_it_may_have_happened():
 
     base = Counted.of(problem, nominal)
     found = where_it_does_nothing(problem, base, Offer(effect, told))
-    values = dict(zip(found.extended.names, found.extended.values(found.coordinates), strict=True))
+    values = dict(
+        zip(
+            found.extended.layout.names,
+            found.extended.layout.values(found.coordinates),
+            strict=True,
+        )
+    )
     assert values["step_fault.instant"] == pytest.approx(12.0)
-    residual = problem.residual(found.extended, found.extended.values(found.coordinates))
+    residual = problem.residual(found.extended, found.extended.layout.values(found.coordinates))
     assert np.allclose(residual, nominal.residual, atol=0.1 * NOISE)
     assert len(tried) <= 10
 
@@ -129,19 +135,19 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
     problem, extended = hidden()
     wave = 0.1 * np.sin(2 * np.pi * 1.3 * problem.time + phase)
     shaken = replace(problem, y=problem.y + wave + 0.1 * wave**3)
-    nominal = fit(shaken, extended, np.zeros(extended.free.size))
+    nominal = fit(shaken, extended, np.zeros(extended.layout.free.size))
     scales = measured_scales(extended, nominal.values, shaken)
     told = replace(scales, foreign_frequencies=(1.3, 3.9))
     effect = catalogue()["periodic_disturbance"]
     base = Base.of(shaken, nominal)
     best, *_ = promising(shaken, [base], Offer(effect, told), 2)
-    frequency = best.extended.names.index("periodic_disturbance.frequency")
-    assert best.extended.values(best.coordinates)[frequency] == pytest.approx(1.3)
+    frequency = best.extended.layout.names.index("periodic_disturbance.frequency")
+    assert best.extended.layout.values(best.coordinates)[frequency] == pytest.approx(1.3)
 
 
 def test_a_start_that_changes_nothing_promises_nothing():
     problem, extended = hidden()
-    base = Base.of(problem, fit(problem, extended, np.zeros(extended.free.size)))
+    base = Base.of(problem, fit(problem, extended, np.zeros(extended.layout.free.size)))
     start = screening._promised(problem, base, base.fit.extended, np.empty(0))
     assert start.left == base.left @ base.left
 
@@ -150,13 +156,13 @@ def test_a_start_that_changes_nothing_promises_nothing():
 @pytest.mark.parametrize("name", ["baseline_drift", "gain_drift", "step_fault"])
 def test_a_course_in_time_promises_much_whether_it_rises_or_falls(name, sign):
     problem, extended = hidden()
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     simulated = problem.y - nominal.residual
     course = 0.2 * (problem.time > 0.4 * problem.time[-1] if name == "step_fault" else
                     problem.time / problem.time[-1])  # fmt: skip
     added = course * (1.0 if name == "baseline_drift" else simulated - simulated.mean())
     moved = replace(problem, y=problem.y + sign * added)
-    nominal = fit(moved, extended, np.zeros(extended.free.size))
+    nominal = fit(moved, extended, np.zeros(extended.layout.free.size))
     scales = replace(
         measured_scales(extended, nominal.values, moved),
         jumps=jumps(moved, nominal.residual),
@@ -170,15 +176,15 @@ def test_a_law_starts_within_the_motion_of_the_fit_that_it_is_attached_to():
     """Fits with other constants at the input: one device moves above the other."""
     problem, extended = hidden()
     extended = replace(extended, simulation=replace(extended.simulation, input_offset_spread=5.0))
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     lifted = nominal.coordinates.copy()
-    lifted[[extended.names[i] for i in extended.free].index("input_offset")] = 2.0
+    lifted[[extended.layout.names[i] for i in extended.layout.free].index("input_offset")] = 2.0
     stop = Offer(catalogue()["end_stop"], measured_scales(extended, nominal.values, problem))
     for fitted in (nominal, at(problem, extended, lifted)):
         position = fitted.extended.run(fitted.values, problem.u, INTERVAL)[1]
         for start in promising(problem, [Base.of(problem, fitted)], stop, 2):
-            values = start.extended.values(start.coordinates)
-            own = dict(zip(start.extended.names, values, strict=True))
+            values = start.extended.layout.values(start.coordinates)
+            own = dict(zip(start.extended.layout.names, values, strict=True))
             stops = own["end_stop.upper_stop"], own["end_stop.lower_stop"]
             assert any(position.min() < each < position.max() for each in stops)
 
@@ -189,9 +195,9 @@ def test_a_law_takes_its_scales_at_the_force_port_that_it_is_attached_to():
     u = np.repeat(rng.uniform(0, 100, (40, 2)), 20, axis=0)
     everything = np.ones(len(u), bool)
     extended = prepared(own, u, 1.0, 1e-3)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 1.0)
+    y = extended.simulate(extended.layout.prior_means, u, 1.0)
     problem = Problem(u, y, 1.0, everything, ~everything, ~everything)
-    fitted = at(problem, extended, np.zeros(extended.free.size))
+    fitted = at(problem, extended, np.zeros(extended.layout.free.size))
     base = Base.of(problem, fitted)
     assert len(base.motions) == len(own.force_ports) > 1
     for place in range(len(own.force_ports)):
@@ -204,7 +210,7 @@ def test_a_law_takes_its_scales_at_the_force_port_that_it_is_attached_to():
 def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
     [second] = {"slew_limit", "input_saturation"} - {first}
     problem, extended = hidden(first, second)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     effects = catalogue()
     alone = extend_by_each(problem, [nominal], [effects["slew_limit"]], Budget(), 1)
     [both] = extend_by_each(
@@ -226,7 +232,7 @@ def test_a_drift_does_not_bear_the_name_of_a_relaxation(name, drift, relaxes):
     if not relaxes:
         late = (problem.time / 10.0) ** 0.8
         problem = replace(problem, y=problem.y + drift * (1.0 - np.exp(-late)))
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     effect = catalogue()[name]
     alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)
     assert alone.candidates[0].finished
@@ -240,11 +246,11 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
     """A charge that is lost at once bends the input's curve."""
     problem, extended = hidden(*["charge_leakage"] * leaks)
     if not leaks:
-        own = extended.values(np.zeros(extended.free.size))
+        own = extended.layout.prior_means
         curved = problem.u * (1.0 - 0.1 * np.exp(3.0 * (np.abs(problem.u) / 2.0 - 1.0)))
         noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
         problem = replace(problem, y=extended.simulate(own, curved, INTERVAL) + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     effect = catalogue()["charge_leakage"]
     alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)
     assert alone.candidates[0].finished
@@ -256,16 +262,16 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
 def limited_since(since, begun):
     """Whether a limit since that time (s) keeps the name of an event, fitted from another time."""
     problem, extended = hidden()
-    own = extended.values(np.zeros(extended.free.size))
+    own = extended.layout.prior_means
     limited = np.where(problem.time >= since, np.minimum(problem.u, 1.2), problem.u)
     noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
     problem = replace(problem, y=extended.simulate(own, limited, INTERVAL) + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     scales = replace(measured_scales(extended, nominal.values, problem), jumps=(19.0,))
     law = extended.attach(catalogue()["step_fault"], scales)
     low, high = problem.u.min(), problem.u.max()
     start = (begun, 0.0, 0.0, 0.1, 0.0, 1.3, low, 0.0, low, high, 6.0, 1.2, 0.0)
-    found = fit(problem, law, law.coordinates(np.concatenate([nominal.values, start])))
+    found = fit(problem, law, law.layout.coordinates(np.concatenate([nominal.values, start])))
     assert problem.seen_rmse(found.residual) < 2.0 * NOISE
     candidate = judged(problem, found)
     [judged_again] = unfinish_degenerate(problem, [Round(nominal, (candidate,))], Rules(), NOISE, 1)
@@ -292,11 +298,11 @@ def test_a_power_of_the_input_does_not_bear_the_name_of_a_threshold(threshold):
     """A heater's power goes with the square of its voltage, from zero on."""
     problem, extended = hidden(*["dead_zone"] * threshold)
     if not threshold:
-        own = extended.values(np.zeros(extended.free.size))
+        own = extended.layout.prior_means
         squared = problem.u * np.abs(problem.u) / 2.0
         noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
         problem = replace(problem, y=extended.simulate(own, squared, INTERVAL) + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     alone = extend_by_each(problem, [nominal], [catalogue()["dead_zone"]], Budget(), 1)
     assert alone.candidates[0].finished
     assert alone.candidates[0].rmse < 1.2 * NOISE
@@ -311,7 +317,7 @@ def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
     if not relaxes:
         late = (problem.time / 10.0) ** 0.8
         problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [catalogue()[name] for name in ("dead_zone", "stress_relaxation")]
     rounds = Search(problem, [nominal], offered, Budget(), Rules(), 1).rounds()
     best = pool_of(rounds)[0]
@@ -324,7 +330,7 @@ def test_a_law_loses_its_name_beside_one_that_keeps_its_own(relaxes):
 @pytest.mark.slow
 def test_two_effects_are_found_beside_laws_that_pass_for_them():
     problem, extended = hidden("dead_zone", "sensor_lag")
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [
         catalogue()[name]
         for name in ("dead_zone", "sensor_lag", "coulomb_friction", "electrode_lag", "second_mode")
@@ -341,14 +347,16 @@ def test_two_effects_are_found_beside_laws_that_pass_for_them():
 def test_a_second_effect_that_only_helped_the_first_one_is_dropped():
     """The fits of single effects stopped where they started; only pairs are fitted to the end."""
     problem, extended = hidden("sensor_lag")
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [catalogue()["dead_zone"], catalogue()["sensor_lag"]]
     told = measured_scales(nominal.extended, nominal.values, problem)
 
     def started(effect):
         attached = extended.attach(effect, told)
         laws = [attached.attached[-1].started(start) for start in effect.starts(told)]
-        places = [attached.coordinates(np.concatenate([nominal.values, law])) for law in laws]
+        places = [
+            attached.layout.coordinates(np.concatenate([nominal.values, law])) for law in laws
+        ]
         return min(
             (judged(problem, at(problem, attached, p)) for p in places), key=lambda c: c.rmse
         )
@@ -369,8 +377,8 @@ def test_a_second_effect_that_only_helped_the_first_one_is_dropped():
 @pytest.mark.parametrize(("held_out_rival", "status"), [(1.5, "named"), (1.0, "ambiguous")])
 def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, status):
     problem, extended = hidden("dead_zone")
-    plain = at(problem, extended, np.zeros(extended.free.size))
-    values = extended.values(np.zeros(extended.free.size))
+    plain = at(problem, extended, np.zeros(extended.layout.free.size))
+    values = extended.layout.prior_means
     told = measured_scales(extended, values, problem)
     gap = NOISE * np.random.default_rng(2).standard_normal(problem.u.size)
 
@@ -408,8 +416,8 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
     The effect is likely, not certain: a certain one is named in part whatever is left.
     """
     problem, extended = hidden("dead_zone")
-    plain = at(problem, extended, np.zeros(extended.free.size))
-    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    plain = at(problem, extended, np.zeros(extended.layout.free.size))
+    told = measured_scales(extended, extended.layout.prior_means, problem)
     rng = np.random.default_rng(6)
     slow = lfilter([1.0], [1.0, -0.9], rng.standard_normal(problem.u.size))
     noise = NOISE * (rng.standard_normal(slow.size) + np.sqrt(8.0 - curve**2) * slow / slow.std())
@@ -420,7 +428,10 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
         attached = attached.attach(catalogue()[name], told)
     error = problem.seen_rmse(left)
     chosen = Candidate(
-        Fit(attached, np.zeros(attached.free.size), left, plain.jacobian, 0.0), error, error, 9.0
+        Fit(attached, np.zeros(attached.layout.free.size), left, plain.jacobian, 0.0),
+        error,
+        error,
+        9.0,
     )
     nominal = replace(plain, residual=left * before * NOISE / error)
     held_out = Predicted(problem, lambda fitted: fitted.residual)
@@ -436,7 +447,7 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
 
 def test_a_held_out_gap_is_found_once():
     problem, extended = hidden("dead_zone")
-    fitted = fit(problem, extended, np.zeros(extended.free.size))
+    fitted = fit(problem, extended, np.zeros(extended.layout.free.size))
     held_out = HeldOut(problem)
     assert held_out.residual(fitted) is held_out.residual(fitted)
     assert held_out.rmse(fitted) == problem.seen_rmse(held_out.residual(fitted))
@@ -445,8 +456,8 @@ def test_a_held_out_gap_is_found_once():
 def graded():
     """Return evidence on a hidden dead zone, and what makes candidates of a given misfit."""
     problem, extended = hidden("dead_zone")
-    plain = at(problem, extended, np.zeros(extended.free.size))
-    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    plain = at(problem, extended, np.zeros(extended.layout.free.size))
+    told = measured_scales(extended, extended.layout.prior_means, problem)
     u = problem.u / problem.u.std()
     noise = NOISE * np.random.default_rng(4).standard_normal(u.size)
 
@@ -455,7 +466,7 @@ def graded():
         for name in names:
             longer = longer.attach(catalogue()[name], told)
         residual = noise + NOISE * np.sqrt(size**2 - 1.0) * u**3 / (u**3).std()
-        fitted = Fit(longer, np.zeros(longer.free.size), residual, plain.jacobian, 0.0)
+        fitted = Fit(longer, np.zeros(longer.layout.free.size), residual, plain.jacobian, 0.0)
         return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
 
     held_out = Predicted(problem, lambda fitted: fitted.residual)
@@ -623,7 +634,7 @@ def test_extensions_are_compared_on_the_same_blocks_left_out():
 
 def test_no_more_effects_are_combined_than_the_budget_allows():
     problem, extended = hidden("dead_zone", "sensor_lag")
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [catalogue()[name] for name in ("dead_zone", "sensor_lag")]
     rounds = Search(problem, [nominal], offered, Budget(effects=1, restarted=0), Rules()).rounds()
     assert {len(c.names) for each in rounds for c in each.candidates} == {1}
@@ -1098,7 +1109,7 @@ def test_what_is_named_without_its_drift_acts_at_the_same_place():
     u = np.random.default_rng(1).uniform(0.0, 50.0, (1500, len(simulation.inputs)))
     plain = prepared(simulation, u, 1.0, 1e-2)
     evidence = replace(evidence, problem=replace(evidence.problem, u=u, interval=1.0))
-    values = plain.values(np.zeros(plain.free.size))
+    values = plain.layout.prior_means
     y = plain.simulate(values, u, 1.0)
     told = measured_scales(plain, values, SimpleNamespace(u=u, y=y, interval=1.0))
 
@@ -1106,7 +1117,9 @@ def test_what_is_named_without_its_drift_acts_at_the_same_place():
         extended = plain
         for name, place in laws:
             extended = extended.attach(catalogue()[name], told, place)
-        fitted = Fit(extended, np.zeros(extended.free.size), residual, np.zeros((1500, 1)), 0.0)
+        fitted = Fit(
+            extended, np.zeros(extended.layout.free.size), residual, np.zeros((1500, 1)), 0.0
+        )
         error = evidence.problem.seen_rmse(residual)
         return Candidate(fitted, error, error, 9.0)
 
@@ -1321,18 +1334,18 @@ def test_what_leaves_no_room_need_not_predict_unless_readings_drift(name, left, 
 )
 def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound(effect, values, at_bounds):
     problem, extended = hidden()
-    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    told = measured_scales(extended, extended.layout.prior_means, problem)
     attached = extended.attach(catalogue()[effect], told)
-    found = attached.values(np.zeros(attached.free.size))
+    found = attached.layout.prior_means
     for name, value in values.items():
-        found[attached.names.index(f"{effect}.{name}")] = value
-    fitted = Fit(attached, attached.coordinates(found), problem.y, problem.y[:, None], 0.0)
+        found[attached.layout.names.index(f"{effect}.{name}")] = value
+    fitted = Fit(attached, attached.layout.coordinates(found), problem.y, problem.y[:, None], 0.0)
     assert Candidate(fitted, 1.0, 1.0, 1.0).at_bounds == at_bounds
 
 
 def test_a_leading_fit_whose_simulation_was_led_astray_is_made_again():
     problem, extended = hidden("dead_zone")
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     told = measured_scales(extended, nominal.values, problem)
     attached = extended.attach(catalogue()["dead_zone"], told)
     start = dict(
@@ -1340,8 +1353,8 @@ def test_a_leading_fit_whose_simulation_was_led_astray_is_made_again():
             catalogue()["dead_zone"].starts(told)[1], strict=True)
     )  # fmt: skip
     law = attached.attached[-1].started(tuple((start | PRESENT["dead_zone"]).values()))
-    astray = extended.values(np.full(extended.free.size, 1.5))
-    stuck = judged(problem, at(problem, attached, attached.coordinates(np.r_[astray, law])))
+    astray = extended.layout.values(np.full(extended.layout.free.size, 1.5))
+    stuck = judged(problem, at(problem, attached, attached.layout.coordinates(np.r_[astray, law])))
 
     class Stuck(Search):
         @property
@@ -1362,7 +1375,7 @@ def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_
     problem, extended = hidden("dead_zone", "sensor_lag")
     names = "dead_zone", "input_saturation", "sensor_lag"
     offered = [catalogue()[name] for name in names]
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     _, *pairs = Search(problem, [nominal], offered, Budget(beam=1, exchanges=0), Rules()).rounds()
     ports = [a.effect.port for each in pairs for a in each.before.extended.attached]
     assert sorted(ports) == [Port.INPUT, Port.OUTPUT]
@@ -1371,7 +1384,7 @@ def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_
 @pytest.mark.parametrize(("room", "tried"), [(0.0, True), (0.9, False)])
 def test_pairs_are_tried_where_enough_of_the_gap_is_left(room, tried):
     problem, extended = hidden("dead_zone", "sensor_lag")
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [catalogue()["sensor_lag"]]
     budget = Budget(starts=1, shakes=0, exchanges=0, restarted=0, room=room)
     _, *pairs = Search(problem, [nominal], offered, budget, Rules()).rounds()
@@ -1381,7 +1394,7 @@ def test_pairs_are_tried_where_enough_of_the_gap_is_left(room, tried):
 @pytest.mark.slow
 def test_fewer_further_effects_are_fitted_to_the_end_than_first_ones():
     problem, extended = hidden("dead_zone")
-    base = fit(problem, extended, np.zeros(extended.free.size))
+    base = fit(problem, extended, np.zeros(extended.layout.free.size))
     names = "dead_zone", "input_saturation", "strain_stiffening", "sensor_lag", "electrode_lag"
     budget = Budget(finished=3, starts=2, shakes=0, near=100.0)
     for finished in (3, 2):
@@ -1402,10 +1415,10 @@ def test_the_best_single_effects_are_fitted_from_perturbed_starts_too(
     monkeypatch, names, above, refits
 ):
     problem, extended = hidden("dead_zone")
-    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    told = measured_scales(extended, extended.layout.prior_means, problem)
     for name in names:
         extended = extended.attach(catalogue()[name], told)
-    start = at(problem, extended, np.zeros(extended.free.size))
+    start = at(problem, extended, np.zeros(extended.layout.free.size))
     starts = []
 
     def again(problem, fitted, budget):
@@ -1416,7 +1429,7 @@ def test_the_best_single_effects_are_fitted_from_perturbed_starts_too(
     search_rounds._polished(problem, start, Budget(shakes=3, shake_above=above))
     assert len(starts) == refits
     for each in starts[1:]:
-        np.testing.assert_array_equal(each != start.coordinates, extended.of_laws)
+        np.testing.assert_array_equal(each != start.coordinates, extended.layout.of_laws)
 
 
 def tried(error, *labels):
@@ -1541,11 +1554,11 @@ def test_a_load_on_an_elastic_shaft_is_found_behind_a_drive_that_nothing_pulls_b
     problem = Problem(
         u, y, interval, roles.fit, roles.select, roles.certify, noise, 1e-3, extended.substeps
     )
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     [found] = extend_by_each(
         problem, [nominal], [catalogue()["second_mode"]], Budget(), 1
     ).candidates
-    law = dict(zip(found.fit.extended.names, found.fit.values, strict=True))
+    law = dict(zip(found.fit.extended.layout.names, found.fit.values, strict=True))
     assert found.rmse < 1.3 * noise < 0.3 * problem.seen_rmse(nominal.residual)
     assert law["second_mode.coupling"] == pytest.approx(0.75, rel=0.1)
     assert law["second_mode.frequency"] == pytest.approx(
@@ -1566,13 +1579,13 @@ def _speed(x, u, p):
 def test_a_gently_bent_reading_does_not_bear_the_name_of_a_limit(limited):
     """An arm that turns reads the sine of its angle; a rail ends the reading."""
     problem, extended = hidden()
-    own = extended.values(np.zeros(extended.free.size))
+    own = extended.layout.prior_means
     y = extended.simulate(own, problem.u, INTERVAL)
     noise = NOISE * np.random.default_rng(4).standard_normal(y.size)
     far = np.abs(y).max()
     bent = np.minimum(y, 0.7 * far) if limited else far / 0.8 * np.sin(0.8 * y / far)
     problem = replace(problem, y=bent + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     offered = [catalogue()[name] for name in ("output_saturation", "sensor_nonlinearity")]
     singles = extend_by_each(problem, [nominal], offered, Budget(), 1)
     [again] = unfinish_degenerate(problem, [singles], Rules(), NOISE, 1)
@@ -1585,14 +1598,14 @@ def test_a_gently_bent_reading_does_not_bear_the_name_of_a_limit(limited):
 def test_a_gently_bent_command_does_not_bear_the_name_of_a_limit(limited):
     """Nothing else is a curve of the command, so that nothing else explains it."""
     problem, extended = hidden()
-    own = extended.values(np.zeros(extended.free.size))
+    own = extended.layout.prior_means
     peak = np.abs(problem.u).max()
     bent = np.clip(problem.u, -0.7 * peak, 0.7 * peak)
     if not limited:
         bent = problem.u * (1.0 - 0.12 * np.abs(problem.u) / peak)  # the slope falls to 0.76
     noise = NOISE * np.random.default_rng(4).standard_normal(problem.y.size)
     problem = replace(problem, y=extended.simulate(own, bent, INTERVAL) + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     singles = extend_by_each(problem, [nominal], [catalogue()["input_saturation"]], Budget(), 1)
     [again] = unfinish_degenerate(problem, [singles], Rules(), NOISE, 1)
     [found] = again.candidates
@@ -1602,13 +1615,13 @@ def test_a_gently_bent_command_does_not_bear_the_name_of_a_limit(limited):
 
 def test_a_stop_beyond_the_motion_counts_as_visible():
     problem, extended = hidden()
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     told = measured_scales(extended, nominal.values, problem)
     stop = extended.attach(catalogue()["end_stop"], told)
     far = {"upper_stop": told.z_high + told.z_span, "lower_stop": told.z_low - told.z_span}
     law = [far.get(p.name, p.nominal) for p in stop.attached[-1].parameters]
     values = np.concatenate([nominal.values, law])
-    found = at(problem, stop, stop.coordinates(values))
+    found = at(problem, stop, stop.layout.coordinates(values))
     enough = Rules().detectable
     assert visibility(problem, nominal, found).size < enough
     assert most_visible(problem, nominal, found, enough).size >= enough
@@ -1616,11 +1629,11 @@ def test_a_stop_beyond_the_motion_counts_as_visible():
 
 def test_what_leads_once_others_have_fallen_is_tested_too():
     problem, extended = hidden()
-    own = extended.values(np.zeros(extended.free.size))
+    own = extended.layout.prior_means
     bent = problem.u * (1.0 - 0.12 * np.abs(problem.u) / np.abs(problem.u).max())
     noise = NOISE * np.random.default_rng(4).standard_normal(problem.y.size)
     problem = replace(problem, y=extended.simulate(own, bent, INTERVAL) + noise)
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     singles = extend_by_each(problem, [nominal], [catalogue()["input_saturation"]], Budget(), 1)
     [found] = singles.candidates
     rules = Rules()
@@ -1634,7 +1647,7 @@ def test_what_leads_once_others_have_fallen_is_tested_too():
 def test_an_effect_of_a_pair_is_needed_only_if_the_other_alone_leaves_much(partner, needed):
     """The other one was never fitted to the end by itself."""
     problem, extended = hidden("dead_zone", *(("sensor_lag",) if needed else ()))
-    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
     told = measured_scales(extended, nominal.values, problem)
     both = extended
     values = nominal.values
@@ -1645,11 +1658,11 @@ def test_an_effect_of_a_pair_is_needed_only_if_the_other_alone_leaves_much(partn
             (own.started(start) for start in own.effect.starts(told)),
             key=lambda law: problem.seen_rmse(problem.residual(both, np.r_[values, law])),
         )
-        start = both.coordinates(np.concatenate([values, best]))
+        start = both.layout.coordinates(np.concatenate([values, best]))
         # As in the search, what shapes a law waits until its place and size are found.
-        placed = fit(problem, both, start, columns=Columns(held=both.shapes))
+        placed = fit(problem, both, start, columns=Columns(held=both.layout.shapes))
         values = fit(problem, both, placed.coordinates).values
-    chosen = judged(problem, fit(problem, both, both.coordinates(values)))
+    chosen = judged(problem, fit(problem, both, both.layout.coordinates(values)))
     assert chosen.rmse < 1.1 * NOISE
     evidence = Evidence(
         problem, nominal, HeldOut(problem), problem.blocks(100), NOISE, 0.0, Rules(),

@@ -63,16 +63,19 @@ def extension(*names):
     """An extended simulation with two parameters of its own, which are fitted, and effects."""
     return SimpleNamespace(
         attached=[attach(name) for name in names],
-        label=lambda attached: attached.effect.name,
-        input_of=lambda attached: attached.at,
+        places=SimpleNamespace(
+            label=lambda attached: attached.effect.name, input_of=lambda attached: attached.at
+        ),
         simulation=SimpleNamespace(
             parameters=[Parameter(name, "1", 1.0, 0.1) for name in NAMES[:2]], accuracy=0.0
         ),
-        names=NAMES,
-        free=np.arange(3),
-        bounds=(np.full(3, -3.0), np.full(3, 3.0)),
+        layout=SimpleNamespace(
+            names=NAMES,
+            free=np.arange(3),
+            bounds=(np.full(3, -3.0), np.full(3, 3.0)),
+            effect_slices=[],
+        ),
         timing_spread=0.008,
-        effect_slices=[],
     )
 
 
@@ -256,7 +259,7 @@ def fitted(*names, time):
     *_, lag = extended.attached
     lag.parameters = [Parameter("damping", "1", 1.0, 0.1)]
     lag.parameters.append(Parameter(lag.effect.defining, "s", 0.1, 0.1))
-    extended.effect_slices = [slice(1, 3)] * len(names)
+    extended.layout.effect_slices = [slice(1, 3)] * len(names)
     fit = SimpleNamespace(extended=extended, values=np.array([9.0, 1.5, time]))
     return candidate(*names, fit=fit)
 
@@ -628,9 +631,9 @@ def test_a_law_at_its_bound_may_pass_for_a_time_offset(coordinate, doubted):
     """At a bound that is its prior mean a part of a law has vanished."""
     diagnosis = found(Status.NAMED, "dead_zone", coordinates=(0.0, 0.0, -1.25, coordinate))
     extended = diagnosis.final.extended
-    extended.names, extended.free = (*NAMES, "dead_zone.slope"), np.arange(4)
-    extended.effect_slices = [slice(3, 4)]
-    extended.bounds = np.array([-3.0, -3.0, -3.0, 0.0]), np.full(4, 3.0)
+    extended.layout.names, extended.layout.free = (*NAMES, "dead_zone.slope"), np.arange(4)
+    extended.layout.effect_slices = [slice(3, 4)]
+    extended.layout.bounds = np.array([-3.0, -3.0, -3.0, 0.0]), np.full(4, 3.0)
     assert remarks(diagnosis) == (
         f"{EARLY}, or an error of the law looks like such an offset." if doubted else f"{EARLY}.",
     )

@@ -40,7 +40,7 @@ def test_a_rate_that_is_never_reached_is_no_limit(path, names):
     u = np.repeat(rng.uniform(-2.0, 2.0, SIZE // 25), 25)
     fine = np.repeat(u, PARTS)
     device = prepared(CARRIAGE, fine, INTERVAL / PARTS, 1e-6)
-    y = device.simulate(device.values(np.zeros(device.free.size)), path(fine), INTERVAL / PARTS)
+    y = device.simulate(device.layout.prior_means, path(fine), INTERVAL / PARTS)
     noisy = y[::PARTS] + 2e-3 * rng.standard_normal(u.size)
     made = Record.of(u, noisy, 1.0 / INTERVAL, units=("V", "V"))
     found = diagnose(made, CARRIAGE, settings=Settings(effects=OFFERED, budget=SEARCH)).verdict

@@ -42,7 +42,7 @@ def moved(force):
 
 def fitted(y):
     problem, _, extended = prepare([Samples(U, y, DT)], CARRIAGE, Settings())
-    found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
+    found = fit(problem, extended, np.zeros(extended.layout.free.size), iterations=30)
     return problem, found, problem.blocks(N / 8)
 
 
@@ -94,14 +94,14 @@ def test_a_force_on_a_speed_alone_depends_on_it():
 
     def simulated(derivative):
         plain = ExtendedSimulation(replace(simulation, derivative=derivative))
-        return plain.simulate(plain.values(np.zeros(plain.free.size)), 3.0 * U, DT)
+        return plain.simulate(plain.layout.prior_means, 3.0 * U, DT)
 
     y = simulated(dragged)
     change = np.std(y - simulated(own))
     drawn = np.random.default_rng(3).standard_normal(N)
     record = Samples(3.0 * U, y + 0.05 * change * drawn, DT)
     problem, _, extended = prepare([record], simulation, Settings())
-    found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
+    found = fit(problem, extended, np.zeros(extended.layout.free.size), iterations=30)
     force = unknown_force(problem, found)
     assert force.part > 0.6
     assert force.of == "the speed"

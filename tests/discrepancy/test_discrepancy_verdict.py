@@ -18,7 +18,7 @@ def bent():
     rng = np.random.default_rng(4)
     u = np.repeat(rng.uniform(-2.0, 2.0, 60), 25)
     extended = prepared(CARRIAGE, u, 0.02, 1e-4)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 0.02)
+    y = extended.simulate(extended.layout.prior_means, u, 0.02)
     reading = y - 0.3 * (y - y.min()) * (y.max() - y) / np.ptp(y)
     made = Record.of(u, reading + 2e-3 * rng.standard_normal(u.size), 50.0, units=("V", "V"))
     settings = Settings(effects=("sensor_nonlinearity",), budget=SEARCH)

@@ -18,6 +18,6 @@ def test_a_dense_record_is_not_decimated_and_runs_are_at_its_own_rate():
     # A diagnosis decimates it, and takes its input for smooth.
     bare = task._prepared[1]
     smooth = replace(bare, interpolation="smooth")
-    found = at(task.problem, smooth, np.zeros(smooth.free.size))
+    found = at(task.problem, smooth, np.zeros(smooth.layout.free.size))
     expected = bare.simulate(found.values, u, 1.0 / RATE)
     np.testing.assert_array_equal(task.simulated(found), expected)

@@ -19,10 +19,10 @@ def hidden(effect, law):
 
     def device(u, seed):
         extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
-        values = extended.values(np.zeros(extended.free.size))
+        values = extended.layout.prior_means
         record = Samples(u, u, INTERVAL)
         whole = extended.attach(catalogue()[effect], measured_scales(extended, values, record))
-        rest = whole.values(np.zeros(whole.free.size))[values.size + len(law) :]
+        rest = whole.layout.prior_means[values.size + len(law) :]
         y = whole.simulate(np.concatenate([values, law, rest]), u, INTERVAL)
         return as_record(u, y + NOISE * np.random.default_rng(seed).standard_normal(u.size))
 

@@ -25,17 +25,17 @@ def explanation(effect, law, spread=0.02):
     """Return the carriage with an effect, whose coordinates are known to this spread."""
     u = np.repeat([-1.0, 1.0, 0.5, -0.2], 250)
     extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     if effect is None:
         whole = extended
     else:
         record = Samples(u, u, INTERVAL)
         whole = extended.attach(catalogue()[effect], measured_scales(extended, values, record))
-        rest = whole.values(np.zeros(whole.free.size))[values.size + len(law) :]
+        rest = whole.layout.prior_means[values.size + len(law) :]
         values = np.concatenate([values, law, rest])
-    own = whole.own_of_records
+    own = whole.layout.own_of_records
     deviation = np.where(own, 1.0, spread)
-    return Explanation(whole, whole.coordinates(values), np.diag(deviation))
+    return Explanation(whole, whole.layout.coordinates(values), np.diag(deviation))
 
 
 def distance(truth, rival, u, error=ERROR):
@@ -50,7 +50,7 @@ def refitted(truth, rival, u):
 
     def cost(step):
         x = rival.mean + deviation * step
-        left = goal - rival.extended.simulate(rival.extended.values(x), u, INTERVAL)
+        left = goal - rival.extended.simulate(rival.extended.layout.values(x), u, INTERVAL)
         whitened = ERROR.whitened(left)
         return whitened @ whitened + step @ step
 

@@ -24,8 +24,8 @@ def without_effects():
     """Return the simulation alone, and a record of a device that lags behind it."""
     u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 12), 25)
     extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
-    size = extended.free.size
-    deviation = np.where(extended.own_of_records, 1.0, 0.02)
+    size = extended.layout.free.size
+    deviation = np.where(extended.layout.own_of_records, 1.0, 0.02)
     explanation = Explanation(extended, np.zeros(size), np.diag(deviation))
     y = hidden("sensor_lag", [0.06, 0.9, 0.0])(u, 1)["output"].values
     return explanation, Samples(u, y, INTERVAL)
@@ -36,7 +36,7 @@ def test_the_peak_is_the_one_that_a_search_without_derivatives_finds():
     deviation = explanation.deviations
 
     def cost(step):
-        values = explanation.extended.values(explanation.mean + deviation * step)
+        values = explanation.extended.layout.values(explanation.mean + deviation * step)
         left = record.y - explanation.extended.simulate(values, record.u, INTERVAL)
         whitened = ERROR.whitened(left)
         return whitened @ whitened + step @ step
@@ -45,7 +45,7 @@ def test_the_peak_is_the_one_that_a_search_without_derivatives_finds():
     for _ in range(6):
         best = minimize(cost, best, method="Powell", options={"xtol": 1e-8, "ftol": 1e-12}).x
     found = predicted(explanation, record, ERROR).informed.mean / deviation
-    shared = ~explanation.extended.own_of_records
+    shared = ~explanation.extended.layout.own_of_records
     np.testing.assert_allclose(found[shared], best[shared], atol=0.02)
 
 
@@ -55,11 +55,11 @@ def test_a_mean_that_runs_away_is_not_the_whole_belief(monkeypatch):
 
     def runs_away(problem, extended, values, *known):
         left = plain(problem, extended, values, *known)
-        beyond = np.abs(extended.coordinates(values)).max() > 1.0
+        beyond = np.abs(extended.layout.coordinates(values)).max() > 1.0
         return np.full_like(left, np.nan) if beyond else left
 
     monkeypatch.setattr(Problem, "residual", runs_away)
-    beyond = np.where(explanation.extended.own_of_records, 0.0, 1.02)
+    beyond = np.where(explanation.extended.layout.own_of_records, 0.0, 1.02)
     assert np.isfinite(predicted(replace(explanation, mean=beyond), record, ERROR).log_density)
     monkeypatch.setattr(Problem, "residual", lambda *arguments: np.full(record.u.size, np.nan))
     assert predicted(explanation, record, ERROR).log_density == -np.inf
@@ -71,8 +71,8 @@ def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
     rng = np.random.default_rng(8)
     u = np.repeat(rng.uniform(-1.0, 1.0, 40), 25)
     extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
-    truth = np.zeros(extended.free.size)
-    simulated = extended.simulate(extended.values(truth), u, INTERVAL)
+    truth = np.zeros(extended.layout.free.size)
+    simulated = extended.simulate(extended.layout.values(truth), u, INTERVAL)
     error = Error(NOISE, coloured * NOISE, 40.0, 4.0)
     lags = np.abs(np.subtract.outer(np.arange(u.size), np.arange(u.size)))
     poles = (error.memories - 1.0) / (error.memories + 1.0)
@@ -81,7 +81,7 @@ def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
     root = np.linalg.cholesky(S)
     seen = (np.arange(u.size) // 125) % 2 == 0
     none = np.zeros(u.size, bool)
-    shared = ~extended.own_of_records
+    shared = ~extended.layout.own_of_records
     distances = []
     for _ in range(40):
         y = simulated + root @ rng.standard_normal(u.size)
@@ -104,11 +104,13 @@ def test_the_root_of_a_quiet_sensor_is_that_of_its_covariance(relative):
     names = [f"parameter_{i}" for i in range(k)]
     simulation = SimpleNamespace(
         alone=SimpleNamespace(
-            free=np.arange(k), names=names, bounds=(np.full(k, -9.0), np.full(k, 9.0)),
+            layout=SimpleNamespace(
+                free=np.arange(k), names=names, bounds=(np.full(k, -9.0), np.full(k, 9.0))
+            ),
             as_recorded=extended,
         ),
-        own_of_records=np.zeros(k, bool), names=names, free=np.arange(k),
-    )  # fmt: skip
+        layout=SimpleNamespace(own_of_records=np.zeros(k, bool), names=names, free=np.arange(k)),
+    )
     found = SimpleNamespace(
         extended=simulation, jacobian=slopes, coordinates=np.zeros(k), records=[slice(0, n)]
     )

@@ -145,7 +145,7 @@ def test_a_case_is_resolved_by_hand(case, capsys):
 def test_the_simulation_of_a_round_is_kept(source, withdrawn, effects):
     u = np.sin(np.arange(300) / 20)
     alone = prepared(load_simulation(made_carriage.__file__), u, INTERVAL, 1e-4)
-    values = alone.values(np.zeros(alone.free.size))
+    values = alone.layout.prior_means
     scales = measured_scales(alone, values, Samples(u, u, INTERVAL))
     lagging = alone.attach(catalogue()["sensor_lag"], scales)
     start = np.concatenate([values, lagging.attached[0].effect.starts(scales)[0]])

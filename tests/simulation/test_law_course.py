@@ -28,12 +28,12 @@ class Sampled:
 def attached(*laws, lengths=(), upstream=False, simulation=SPRING):
     """A simulation with laws of these names and changed parameters, and all its values."""
     extended = prepared(simulation, U, INTERVAL, 1e-5, lengths)
-    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), Sampled())
+    scales = measured_scales(extended, extended.layout.prior_means, Sampled())
     for name, _ in laws:
         extended = extended.attach(catalogue()[name], scales, upstream=upstream)
-    values = np.array([p.nominal for p in extended.parameters])
-    for (_, changed), own in zip(laws, extended.effect_slices, strict=True):
-        names = [p.name.partition(".")[2] for p in extended.parameters[own]]
+    values = np.array([p.nominal for p in extended.layout.parameters])
+    for (_, changed), own in zip(laws, extended.layout.effect_slices, strict=True):
+        names = [p.name.partition(".")[2] for p in extended.layout.parameters[own]]
         for name, value in changed.items():
             values[own.start + names.index(name)] = value
     return extended, values
@@ -146,7 +146,7 @@ def test_creep_is_shown_as_the_stiffness_that_it_loses_after_a_step():
     extended, values = attached(("viscoelastic_creep", law))
     [course] = law_courses(extended, values, U, INTERVAL)
     effect, scales = extended.attached[0].effect, extended.attached[0].scales
-    q, step, h = values[extended.effect_slices[0]], 1e-4, 1e-3
+    q, step, h = values[extended.layout.effect_slices[0]], 1e-4, 1e-3
     memory, held = effect.memory(q), scales.z_middle + step
     effect.update(scales.z_middle, held, h, memory, q)
     force = []
@@ -207,7 +207,7 @@ def test_a_law_on_the_reading_is_shown_over_the_output():
     reading = extended.simulate(values, U, INTERVAL)
     np.testing.assert_allclose(course.value.values, reading, rtol=1e-9)
     alone = extended.without(0)
-    output = alone.simulate(values[: extended.effect_slices[0].start], U, INTERVAL)
+    output = alone.simulate(values[: extended.layout.effect_slices[0].start], U, INTERVAL)
     np.testing.assert_allclose(course.along.values, output, rtol=1e-9)
 
 
@@ -235,7 +235,10 @@ def test_the_courses_of_two_records_are_those_of_each_alone(lead_in):
     assert joint.records == 2
     for course, *parts in zip(
         courses,
-        *(law_courses(joint.alone, own, U[part], INTERVAL) for part, own in joint.each(values)),
+        *(
+            law_courses(joint.alone, own, U[part], INTERVAL)
+            for part, own in joint.of_each_record(values)
+        ),
         strict=True,
     ):
         for axis in ("along", "value"):
@@ -262,7 +265,7 @@ def test_of_an_event_one_quantity_is_shown_for_all_records():
     np.testing.assert_allclose(course.value.values[-400:], 1.0)
     alone, own = attached(("step_fault", {"gain_step": -0.4}))
     moved = own.copy()
-    moved[alone.names.index("step_fault.offset_step")] = 9.0
+    moved[alone.layout.names.index("step_fault.offset_step")] = 9.0
     assert law_courses(alone, moved, U, INTERVAL)[0].quantity == "reading"
     like = law_courses(alone, own, U, INTERVAL)
     [same] = law_courses(alone, moved, U, INTERVAL, like=like)

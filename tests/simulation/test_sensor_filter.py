@@ -48,7 +48,7 @@ def follower(rate, part, **how):
 
 def reading(simulation, u, interval, substeps=1):
     extended = ExtendedSimulation(simulation, substeps=substeps)
-    return extended.simulate(extended.values(np.zeros(extended.free.size)), u, interval)
+    return extended.simulate(extended.layout.prior_means, u, interval)
 
 
 def behind(simulation, u, interval, through):

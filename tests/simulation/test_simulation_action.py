@@ -68,7 +68,7 @@ def test_a_film_moves_the_same_with_and_without_it():
     t = DT * np.arange(1500)
     u = 2.4 + 0.8 * np.sin(2.0 * t) + 0.5 * np.sin(0.7 * t)
     extended = prepared(own, u, DT, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     told = measured_scales(extended, values, _Record(u))
     effect = catalogue()["gain_drift"]
     drifting = extended.attach(effect, told)

@@ -49,7 +49,7 @@ def test_a_device_follows_its_published_equations(
 ):
     held = replace(load_simulation(name), input_interpolation="zero")
     extended = ExtendedSimulation(held, substeps=16)
-    given = extended.values(np.zeros(extended.free.size))
+    given = extended.layout.prior_means
     given[: len(values) + len(start)] = values + start
     u = np.random.default_rng(1).uniform(low, 3.0, 80)
     state, expected = np.array(start), []

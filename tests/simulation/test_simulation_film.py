@@ -20,7 +20,7 @@ SCALES = Scales("V", "mm", 1.5, 3.2, 50.0, 0.6, 1.2, 0.0, 1.0, DT, 8.0)
 
 def at_nominal(name, u):
     extended = prepared(load_simulation(name), u, DT, 1e-5)
-    return extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT)
+    return extended.simulate(extended.layout.prior_means, u, DT)
 
 
 def test_it_is_read_through_the_filter_of_the_bench():
@@ -46,7 +46,7 @@ def test_it_runs_away_beyond_pull_in():
     u = np.concatenate([np.full(100, 2.0), np.full(500, 8.0)])
     film = load_simulation("dea_film")
     extended = prepared(film, u[:100], DT, 1e-5)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT)
+    y = extended.simulate(extended.layout.prior_means, u, DT)
     assert np.isfinite(y[:100]).all()
     assert np.isnan(y[-1])
 
@@ -103,7 +103,7 @@ def test_it_moves_the_same_with_its_table_and_without(interpolation):
     film = replace(load_simulation("dea_film"), input_interpolation=interpolation)
     extended = prepared(film, u, DT, 1e-5)
     plain = replace(extended, simulation=replace(film, action=None))
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     found, expected = (each.simulate(values, u, DT) for each in (extended, plain))
     # Between samples the voltage is interpolated without the table, its square with it.
     within = 1e-7 if interpolation == "zero" else 1e-3
@@ -138,8 +138,8 @@ def test_it_moves_and_is_read_as_the_elastic_film_of_the_plant(cutoff, within):
     if cutoff < np.inf:
         simulation = replace(simulation, sensor_filter=SensorFilter(cutoff))
     extended = prepared(simulation, u, DT, 1e-6)
-    values = extended.values(np.zeros(extended.free.size))
-    names = [p.name for p in extended.parameters]
+    values = extended.layout.prior_means
+    names = [p.name for p in extended.layout.parameters]
     for name, value in (*of_plant(film), ("viscosity", 10.0), ("dashpot", film.damping)):
         values[names.index(name)] = value
     # It starts at the first voltage, the plant without one.
@@ -164,9 +164,9 @@ def with_a_start_of(name, u):
     """Return the film with an effect attached, and values at the effect's first start."""
     effect = catalogue()[name]
     extended = prepared(load_simulation("dea_film"), u, DT, 1e-5).attach(effect, SCALES)
-    values = extended.values(np.zeros(extended.free.size))
-    values[extended.effect_slices[0]] = effect.starts(SCALES)[0]
-    return extended, values, [p.name for p in extended.parameters].index("viscosity")
+    values = extended.layout.prior_means
+    values[extended.layout.effect_slices[0]] = effect.starts(SCALES)[0]
+    return extended, values, [p.name for p in extended.layout.parameters].index("viscosity")
 
 
 def test_a_force_keeps_its_ratio_to_the_films_whatever_the_viscosity():
@@ -196,5 +196,5 @@ def test_a_stiff_film_does_not_diverge_with_a_force(viscosity):
     extended, values, at = with_a_start_of("viscoelastic_creep", u)
     values[at] = viscosity
     for start in catalogue()["viscoelastic_creep"].starts(SCALES):
-        values[extended.effect_slices[0]] = (2.0, *start[1:])
+        values[extended.layout.effect_slices[0]] = (2.0, *start[1:])
         assert np.isfinite(extended.simulate(values, u, DT)).all()

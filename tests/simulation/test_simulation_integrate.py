@@ -29,7 +29,7 @@ U = np.sin(2 * pi * 0.7 * T)
 def attached(simulation, name, law, substeps):
     """Return a simulation with a law, its parameter values, and the units of its port."""
     extended = prepared(simulation, U, DT, 1e-5)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = measured_scales(extended, values, SimpleNamespace(u=U, y=U, interval=DT))
     longer = replace(extended.attach(catalogue()[name], scales), substeps=substeps)
     # Compiled laws check no indices: a shorter one would be read beyond its end.
@@ -153,7 +153,7 @@ def test_half_the_step_leaves_a_quarter_of_the_error_of_a_second_mass(grounded, 
     ).y[0]  # fmt: skip
     errors = [np.std(device.simulate(values, U, DT) - expected) for device, values, _ in tried]
     plain = prepared(simulation, U, DT, 1e-5)
-    alone = plain.simulate(plain.values(np.zeros(plain.free.size)), U, DT)
+    alone = plain.simulate(plain.layout.prior_means, U, DT)
     assert errors[0] < 0.03 * np.std(alone - expected)
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.15)
 
@@ -208,7 +208,7 @@ def test_a_flywheel_on_a_soft_shaft_is_a_second_mass_where_a_speed_alone_is_know
     ).y[1]  # fmt: skip
     errors = [np.std(device.simulate(values, U, DT) - expected) for device, values, _ in tried]
     plain = prepared(simulation, U, DT, 1e-5)
-    alone = plain.simulate(plain.values(np.zeros(plain.free.size)), U, DT)
+    alone = plain.simulate(plain.layout.prior_means, U, DT)
     assert errors[0] < 0.03 * np.std(alone - expected)
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.25)
 
@@ -235,6 +235,6 @@ def test_a_simulation_runs_in_every_unit(unit):
         force_ports=(),
     )
     extended = prepared(simulation, np.ones(100), 0.02, 1e-6 * unit)
-    found = extended.simulate(extended.values(np.zeros(extended.free.size)), np.ones(100), 0.02)
+    found = extended.simulate(extended.layout.prior_means, np.ones(100), 0.02)
     exact = unit * (1.0 - np.exp(-np.arange(100) * 0.02 / 0.2))
     np.testing.assert_allclose(found, exact, rtol=1e-6, atol=1e-9 * unit)

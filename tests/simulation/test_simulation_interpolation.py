@@ -63,7 +63,7 @@ def test_a_simulation_moves_as_its_device_under_the_band_limited_input(substeps)
     own = replace(load_simulation("mass_spring_damper"), input_interpolation="smooth", lead_in=0.5)
     dt, fine, n = 1.0 / 600.0, 20, 600
     extended = ExtendedSimulation(own, substeps=substeps)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     values[:3] = 40.0, 0.3, 1.0
     t = np.arange(n * fine) * dt / fine
     u = sum(np.sin(2 * np.pi * f * t + f) for f in (7.0, 31.0, 60.0, 90.0))

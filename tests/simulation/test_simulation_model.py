@@ -77,7 +77,7 @@ def test_integration_agrees_with_another_method(name, u, interval, tolerance):
     lead = 0.2 if name.startswith("dea") else 0.0
     simulation = replace(load_simulation(name), lead_in=lead, sensor_filter=None)
     extended = ExtendedSimulation(simulation, substeps=2)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     found = extended.simulate(values, u, interval)
     assert np.allclose(found, reference(simulation, u, interval), atol=tolerance)
 
@@ -86,7 +86,7 @@ def test_one_step_is_exact_for_a_stiff_linear_system():
     simulation = load_simulation("mass_spring_damper")
     stiff = replace(simulation, input_interpolation="zero")
     extended = ExtendedSimulation(stiff)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     values[0], values[1] = 40.0, 12.0
     u = np.where(T > 1.0, 1.0, 0.2)
     found = extended.simulate(values, u, DT)
@@ -116,7 +116,7 @@ def test_one_step_is_exact_for_an_input_that_is_straight_between_samples(
         own, derivative=derivative, output=output, states=(*own.states, *more), force_ports=()
     )
     extended = ExtendedSimulation(simulation)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     values[:3] = frequency, damping, 1.5
     start = np.array([0.1, 5.0, 0.2])[:states]
     values[3 : 3 + states] = start
@@ -154,7 +154,7 @@ def test_integrators_in_a_row_give_powers_of_time(states):
         drive="gain", force_ports=(), input_interpolation="linear",
     )  # fmt: skip
     extended = ExtendedSimulation(simulation)
-    found = extended.simulate(extended.values(np.zeros(1)), T, DT)
+    found = extended.simulate(extended.layout.values(np.zeros(1)), T, DT)
     expected = 2.0 * (T**3 / 6.0 if states == 2 else T**4 / 24.0)
     assert np.allclose(found, expected, rtol=1e-6, atol=1e-8)
 
@@ -170,7 +170,7 @@ def test_a_force_enters_at_its_port():
     u = np.sin(2 * np.pi * 3 * T)
     extended = prepared(simulation, u, DT, 1e-6)
     extended = replace(extended, substeps=16)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     record = SimpleNamespace(u=u, y=u, interval=DT)
     stiffer = extended.attach(
         catalogue()["strain_stiffening"], measured_scales(extended, values, record)
@@ -197,7 +197,7 @@ def test_a_simulation_that_runs_away_is_not_a_number():
         output=lambda x, u, p: x[0], drive="growth", force_ports=(),
     )  # fmt: skip
     extended = ExtendedSimulation(simulation)
-    found = extended.simulate(extended.values(np.zeros(1)), np.ones(300), DT)
+    found = extended.simulate(extended.layout.values(np.zeros(1)), np.ones(300), DT)
     assert np.isfinite(found[:10]).all()
     assert np.isnan(found[-1])
     with pytest.raises(InputError, match=r"runaway.*runs away at its nominal"):
@@ -228,7 +228,7 @@ def test_a_simulation_of_the_study_loads(name):
 def test_an_extended_simulation_saves_and_loads(tmp_path):
     u = 2.4 + np.sin(4 * T)
     extended = prepared(load_simulation("dea_membrane"), u, DT, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     record = SimpleNamespace(u=u, y=u, interval=DT)
     told = measured_scales(extended, values, record)
     for name in ("viscoelastic_creep", "dead_zone", "input_saturation"):
@@ -269,7 +269,7 @@ def test_a_file_that_is_no_saved_simulation_is_refused_on_one_line(tmp_path, tex
 def test_a_signal_meets_the_laws_on_its_way_from_upstream_down(slow, limit):
     u = 3.0 * np.sin(4 * T)
     extended = prepared(load_simulation("mass_spring_damper"), u, DT, 1e-3)
-    own = extended.values(np.zeros(extended.free.size))
+    own = extended.layout.prior_means
     y = extended.simulate(own, u, DT)
     record = SimpleNamespace(u=u, y=y, interval=DT)
     told = measured_scales(extended, own, record)
@@ -293,13 +293,13 @@ def write_own(path, slope=SLOPE, drive="gain", equation="level"):
 def test_a_users_simulation_loads_and_runs(tmp_path):
     simulation = load_simulation(write_own(tmp_path / "own.py"))
     extended = ExtendedSimulation(simulation)
-    found = extended.simulate(extended.values(np.zeros(extended.free.size)), np.ones(300), DT)
+    found = extended.simulate(extended.layout.prior_means, np.ones(300), DT)
     assert np.allclose(found, 1 - np.exp(-2.0 * T), atol=1e-6)
 
 
 def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
     extended = ExtendedSimulation(load_simulation(write_own(tmp_path / "own.py")))
-    values = extended.values(np.full(extended.free.size, 0.3))
+    values = extended.layout.values(np.full(extended.layout.free.size, 0.3))
     path = tmp_path / "extended_simulation.yaml"
     save_extended(extended, values, DT, path)
     loaded, same, _ = load_extended(path)
@@ -310,7 +310,7 @@ def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
 def test_what_is_saved_keeps_how_the_input_behaves(tmp_path):
     linear = replace(load_simulation("mass_spring_damper"), input_interpolation="linear")
     extended = ExtendedSimulation(linear)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     save_extended(extended, values, DT, tmp_path / "extended.yaml")
     assert load_extended(tmp_path / "extended.yaml")[0].simulation.input_interpolation == "linear"
 
@@ -331,7 +331,7 @@ def test_only_so_many_forces_can_be_attached():
     simulation = load_simulation("mass_spring_damper")
     u = np.sin(T)
     extended = prepared(simulation, u, DT, 1e-3)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     record = SimpleNamespace(u=u, y=u, interval=DT)
     told = measured_scales(extended, values, record)
     for name in ("coulomb_friction", "end_stop", "second_mode"):
@@ -348,7 +348,7 @@ def pushed(names):
     """Return a carriage on which forces with memory act, its parameter values and an input."""
     u = np.sin(2 * np.pi * 0.7 * T)
     extended = prepared(load_simulation("mass_spring_damper"), u, DT, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
     laws = {name: catalogue()[name].starts(scales)[0] for name in REMEMBERING}
     laws["stress_relaxation"] = (0.5, 0.5, 0.8, 0.3)
@@ -392,10 +392,10 @@ def test_the_integrator_stays_within_its_arrays(monkeypatch, count):
 def test_a_constant_can_add_to_the_input(tmp_path):
     own = replace(load_simulation(write_own(tmp_path / "own.py")), input_offset_spread=0.5)
     extended = ExtendedSimulation(own)
-    values = extended.values(np.zeros(extended.free.size))
-    values[extended.names.index("input_offset")] = 0.4
+    values = extended.layout.prior_means
+    values[extended.layout.names.index("input_offset")] = 0.4
     moved = extended.simulate(values, np.sin(T), DT)
-    values[extended.names.index("input_offset")] = 0.0
+    values[extended.layout.names.index("input_offset")] = 0.0
     assert np.allclose(moved, extended.simulate(values, np.sin(T) + 0.4, DT), rtol=0, atol=1e-12)
 
 
@@ -403,7 +403,7 @@ def test_what_one_vessel_loses_the_next_receives():
     simulation = load_simulation("cascaded_tanks")
     u, interval = 3.0 + 2.0 * np.sin(0.03 * np.arange(300)), 4.0
     extended = prepared(simulation, u, interval, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     record = SimpleNamespace(u=u, y=u, interval=interval)
     [port] = [i for i, b in enumerate(simulation.force_ports) if b.reaction]
     told = measured_scales(extended, values, record, port)
@@ -418,7 +418,7 @@ def test_what_one_vessel_loses_the_next_receives():
 
     found = stopped.simulate(np.concatenate([values, cubic(stopped, 0.3)]), u, interval)
     assert np.allclose(found, reference(simulation, u, interval, slopes), atol=5e-3)
-    assert stopped.label(stopped.attached[0]) == "strain_stiffening@upper_level>lower_level"
+    assert stopped.places.label(stopped.attached[0]) == "strain_stiffening@upper_level>lower_level"
 
 
 def test_forces_on_what_nothing_pulls_back_are_measured_by_the_drive():
@@ -524,7 +524,7 @@ def test_a_force_law_is_told_in_the_units_of_its_port(kind, found):
     extended = ExtendedSimulation(own, normalisations=(port,))
     attached = Attached(catalogue()["coulomb_friction"], SCALES)
     parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
-    assert extended.own_unit(attached, parameter) == found
+    assert extended.places.own_unit(attached, parameter) == found
 
 
 def test_a_divisor_takes_part_in_the_unit_of_a_force():
@@ -533,7 +533,7 @@ def test_a_divisor_takes_part_in_the_unit_of_a_force():
     extended = ExtendedSimulation(own, normalisations=(Normalisation(1.0, 0.2, 600.0),))
     attached = Attached(catalogue()["viscoelastic_creep"], SCALES)
     [stiffness, *_] = attached.parameters
-    assert extended.own_unit(attached, stiffness) == (0.0, pytest.approx(3000.0), "Pa")
+    assert extended.places.own_unit(attached, stiffness) == (0.0, pytest.approx(3000.0), "Pa")
 
 
 def test_without_a_position_lengths_are_in_the_unit_of_the_integrated_velocity():
@@ -544,7 +544,7 @@ def test_without_a_position_lengths_are_in_the_unit_of_the_integrated_velocity()
     sizes = {"length": 5.0, "rate": 5.0, "force": 40.0}
     for kind, unit in units.items():
         parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
-        assert extended.own_unit(attached, parameter) == (0.0, sizes[kind], unit)
+        assert extended.places.own_unit(attached, parameter) == (0.0, sizes[kind], unit)
 
 
 def test_without_a_force_a_law_is_in_units_of_its_port():
@@ -553,7 +553,7 @@ def test_without_a_force_a_law_is_in_units_of_its_port():
     attached = Attached(catalogue()["coulomb_friction"], SCALES)
     for kind in ("force", "stiffness"):
         parameter = Parameter("any", "A", 1.0, 1.0, at_port=kind)
-        assert extended.own_unit(attached, parameter) == (0.0, 1.0, "A")
+        assert extended.places.own_unit(attached, parameter) == (0.0, 1.0, "A")
 
 
 @pytest.mark.slow
@@ -627,7 +627,7 @@ def test_nothing_free_has_no_bounds():
         own, parameters=known, states=states, output_offset_spread=0.0, output_gain_spread=0.0,
         input_offset_spread=0.0,
     )  # fmt: skip
-    low, high = ExtendedSimulation(fixed).bounds
+    low, high = ExtendedSimulation(fixed).layout.bounds
     assert low.shape == high.shape == (0,)
 
 
@@ -635,14 +635,19 @@ def test_a_file_that_is_changed_in_memory_is_not_saved_as_that_file(tmp_path):
     path = write_simulation(tmp_path / "own.py")
     own = load_simulation(path)
     extended = prepared(own, np.ones(100), DT, 1e-3)
-    save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, tmp_path / "a.yaml")
+    save_extended(
+        extended,
+        extended.layout.prior_means,
+        DT,
+        tmp_path / "a.yaml",
+    )
     assert load_extended(tmp_path / "a.yaml")[0].simulation.source == str(path)
     linear = replace(extended, simulation=own.interpolated("linear"))
-    save_extended(linear, extended.values(np.zeros(extended.free.size)), DT, tmp_path / "a.yaml")
+    save_extended(linear, extended.layout.prior_means, DT, tmp_path / "a.yaml")
     again = load_extended(tmp_path / "a.yaml")[0].simulation
     assert (again.source, again.input_interpolation) == (str(path), "linear")
     filtered = replace(extended, simulation=replace(own, sensor_filter=SensorFilter(2.0)))
-    values = filtered.values(np.zeros(filtered.free.size))
+    values = filtered.layout.prior_means
     with pytest.raises(InputError, match="made or changed in memory"):
         save_extended(filtered, values, DT, tmp_path / "b.yaml")
 
@@ -651,9 +656,9 @@ def test_a_file_that_is_changed_in_memory_is_not_saved_as_that_file(tmp_path):
 def test_a_saved_value_that_is_no_number_is_named(tmp_path, written):
     extended = prepared(load_simulation("mass_spring_damper"), np.ones(100), DT, 1e-3)
     path = tmp_path / "extended.yaml"
-    save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, path)
+    save_extended(extended, extended.layout.prior_means, DT, path)
     saved = yaml.safe_load(path.read_text())
-    name = extended.names[0]
+    name = extended.layout.names[0]
     value = f"value: {saved['parameters'][name]['value']}"
     path.write_text(path.read_text().replace(value, f"value: {written}", 1))
     with pytest.raises(InputError, match=rf"extended.yaml: parameters.{name}.value: it is"):
@@ -678,7 +683,7 @@ def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
     )  # fmt: skip
     u = np.sin(2 * np.pi * 0.7 * T)
     extended = replace(prepared(simulation, u, DT, 1e-5), substeps=32)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
     extended = extended.attach(catalogue()["second_mode"], scales)
     unit = extended.normalisations[0]
@@ -717,7 +722,7 @@ def test_a_second_mass_on_a_drive_that_nothing_pulls_back_is_coupled_by_its_iner
     )  # fmt: skip
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, T.size // 25 + 1), 25)[: T.size]
     extended = replace(prepared(simulation, u, DT, 1e-5), substeps=32)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
     extended = extended.attach(catalogue()["second_mode"], scales)
     law = {p.name: p.nominal for p in catalogue()["second_mode"].parameters(scales)}
@@ -750,8 +755,8 @@ def test_forces_add_up_whatever_their_order(device, start, bias, places):
     """Each of them remembers something, so that the memories must be kept apart."""
     u = bias + np.sin(2 * np.pi * 0.7 * T) + 0.3 * np.sin(2 * np.pi * 1.9 * T)
     plain = prepared(load_simulation(device), u, DT, 1e-4)
-    own = plain.values(np.zeros(plain.free.size))
-    own[plain.names.index(f"initial.{start}")] = 0.7 + bias  # memories begin away from rest
+    own = plain.layout.prior_means
+    own[plain.layout.names.index(f"initial.{start}")] = 0.7 + bias  # memories begin away from rest
     record = SimpleNamespace(u=u, y=u, interval=DT)
     names = "viscoelastic_creep", "rate_independent_hysteresis", "cyclic_softening"
     runs = []
@@ -792,7 +797,7 @@ def test_a_simulation_that_could_not_be_loaded_is_not_saved(tmp_path, change):
     extended = prepared(own, np.sin(np.arange(200) * DT), DT, 1e-6)
     path = tmp_path / "extended.yaml"
     with pytest.raises(InputError, match="made or changed in memory"):
-        save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, path)
+        save_extended(extended, extended.layout.prior_means, DT, path)
     assert not path.exists()
 
 
@@ -806,17 +811,17 @@ def test_a_memory_of_the_motion_begins_with_the_record(effect):
         states = [replace(s, initial=start) if s.name == "position" else s for s in own.states]
         extended = replace(plain, simulation=replace(own, states=tuple(states)))
         extended = extended.attach(catalogue()[effect], SCALES)
-        found.append(extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT))
+        found.append(extended.simulate(extended.layout.prior_means, u, DT))
     np.testing.assert_allclose(found[0][:40], found[1][:40], rtol=1e-5)
 
 
 def test_friction_holds_the_device_before_the_record_as_well():
     plain = prepared(load_simulation("dea_membrane"), 2.4 + np.cos(3 * T), DT, 1e-3)
     u = np.full(T.size, 2.4)
-    free = plain.simulate(plain.values(np.zeros(plain.free.size)), u, DT)
+    free = plain.simulate(plain.layout.prior_means, u, DT)
     extended = plain.attach(catalogue()["coulomb_friction"], SCALES)
-    values = extended.values(np.zeros(extended.free.size))
-    values[extended.names.index("coulomb_friction.start_deflection")] = 1.0
+    values = extended.layout.prior_means
+    values[extended.layout.names.index("coulomb_friction.start_deflection")] = 1.0
     held = extended.simulate(values, u, DT)
     assert np.ptp(held) < 1e-6 * held[0]
     assert held[0] < free[0] - 1e-3 * free[0]
@@ -826,19 +831,19 @@ def test_friction_holds_the_device_before_the_record_as_well():
 def test_what_is_said_to_change_the_reading_alone_leaves_the_motion_as_it_is(name):
     u = np.random.default_rng(1).uniform(-1.0, 1.0, 400)
     extended = prepared(load_simulation("mass_spring_damper"), u, 0.02, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=0.02))
     extended = extended.attach(catalogue()[name], scales)
-    x = np.full(extended.free.size, 0.1)
-    before = extended.run(extended.values(x), u, 0.02)
+    x = np.full(extended.layout.free.size, 0.1)
+    before = extended.run(extended.layout.values(x), u, 0.02)
     alike = []
     for index in range(x.size):
         moved = x.copy()
         moved[index] += 0.1
-        alike.append(np.array_equal(extended.run(extended.values(moved), u, 0.02), before))
+        alike.append(np.array_equal(extended.run(extended.layout.values(moved), u, 0.02), before))
     marked = [p.reads for p in extended.attached[0].parameters if p.spread > 0.0]
     assert any(marked)
     assert not all(marked)
     own = np.asarray(alike)[-len(marked) :]
     np.testing.assert_array_equal(own[marked], True)
-    np.testing.assert_array_equal(extended.only_read[-len(marked) :], marked)
+    np.testing.assert_array_equal(extended.layout.only_read[-len(marked) :], marked)

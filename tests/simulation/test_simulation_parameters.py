@@ -97,10 +97,10 @@ def test_known_parameters_stay_within_three_spreads_and_those_of_a_law_within_th
     simulation = replace(simulation, parameters=(frequency, close, gain))
     told = Scales("V", "V", -1, 1, 1.0, -1, 1, -1, 1, DT, 6.0)
     extended = ExtendedSimulation(simulation).attach(catalogue()["transport_delay"], told)
-    low, high = extended.bounds
-    assert extended.names[extended.free[0]] == "natural_frequency"
-    assert extended.names[extended.free[1]] == "damping_ratio"
-    delay = [extended.names[i] for i in extended.free].index("transport_delay.delay")
+    low, high = extended.layout.bounds
+    assert extended.layout.names[extended.layout.free[0]] == "natural_frequency"
+    assert extended.layout.names[extended.layout.free[1]] == "damping_ratio"
+    delay = [extended.layout.names[i] for i in extended.layout.free].index("transport_delay.delay")
     assert (low[0], high[0]) == (-3.0, 3.0)
     assert (low[1], high[1]) == pytest.approx((-np.log(2.0), np.log(2.0)))
     # From no delay to a tenth of the record, in spreads of four intervals.
@@ -125,7 +125,7 @@ def test_scales_are_those_of_the_record_and_of_the_motion():
     # Half of the samples repeat the one before: a rate of zero is no rate of change.
     u = np.repeat(u[::2], 2)
     extended = prepared(simulation, u, DT, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     record = SimpleNamespace(u=u, y=3.0 * u - 1.0, interval=DT)
     found = measured_scales(extended, values, record)
     assert (found.u_low, found.u_high) == (u.min(), u.max())
@@ -147,8 +147,8 @@ def test_a_simulation_that_does_not_move_takes_the_scale_of_its_prior():
     simulation = load_simulation("mass_spring_damper")
     u = np.sin(2 * np.pi * 0.5 * T)
     extended = prepared(simulation, u, DT, 1e-4)
-    values = extended.values(np.zeros(extended.free.size))
-    gain = extended.names.index("static_gain")
+    values = extended.layout.prior_means
+    gain = extended.layout.names.index("static_gain")
     record = SimpleNamespace(u=u, y=u, interval=DT)
     for share, high in ((0.1, 1.0), (0.2, 1.0), (0.4, 0.4), (2.0, 2.0)):
         values[gain] = share
@@ -196,7 +196,7 @@ def test_steps_are_refined_until_the_output_keeps_within_the_tolerance():
     tanks = load_simulation("cascaded_tanks")
     u = 3.0 + 2.0 * np.sign(np.sin(0.3 * np.arange(200)))
     coarse = ExtendedSimulation(tanks)
-    values = coarse.values(np.zeros(coarse.free.size))
+    values = coarse.layout.prior_means
     exact = replace(coarse, substeps=256).simulate(values, u, 40.0)
     before = 1
     for tolerance in (1.0, 1e-2, 1e-3, 1e-4):
@@ -236,7 +236,7 @@ def pendulum(torque):
         force_ports=(ForcePort(equation="rate", position="angle", velocity="rate"),),
     )
     extended = ExtendedSimulation(own, substeps=256)
-    y = extended.simulate(extended.values(np.zeros(extended.free.size)), torque, DT)
+    y = extended.simulate(extended.layout.prior_means, torque, DT)
     return own, y
 
 
@@ -249,7 +249,7 @@ def test_a_motion_that_no_step_settles_gets_the_steps_of_its_settled_part():
     found = prepared(own, torque, DT, 1e-3)
     assert 1 < found.substeps <= 32
     below = slice(0, int(np.argmax(np.abs(exact) > 2.0)))
-    y = found.simulate(found.values(np.zeros(found.free.size)), torque, DT)
+    y = found.simulate(found.layout.prior_means, torque, DT)
     assert np.sqrt(np.mean((y - exact)[below] ** 2)) < 3e-3
 
 

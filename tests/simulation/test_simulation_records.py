@@ -15,7 +15,7 @@ LENGTHS = (600, 400)
 
 def joint(*names):
     extended = prepared(load_simulation("mass_spring_damper"), U, INTERVAL, 1e-4, LENGTHS)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     scales = replace(measured_scales(extended, values, Samples(U, U, INTERVAL)), jumps=(4.0,))
     for name in names:
         extended = extended.attach(catalogue()[name], scales)
@@ -26,12 +26,12 @@ def joint(*names):
 
 def test_each_record_is_simulated_from_its_own_start():
     extended, values = joint()
-    values[extended.names.index("initial.position")] = 0.3
-    values[extended.names.index("record_2.initial.position")] = -0.2
+    values[extended.layout.names.index("initial.position")] = 0.3
+    values[extended.layout.names.index("record_2.initial.position")] = -0.2
     found = extended.simulate(values, U, INTERVAL)
     for record, part in enumerate((slice(0, 600), slice(600, 1000))):
-        own = extended.of_record(values, record)
-        assert own[extended.alone.names.index("initial.position")] == (0.3, -0.2)[record]
+        own = extended.layout.of_record(values, record)
+        assert own[extended.alone.layout.names.index("initial.position")] == (0.3, -0.2)[record]
         alone = extended.alone.simulate(own, U[part], INTERVAL)
         np.testing.assert_array_equal(found[part], alone)
 
@@ -43,10 +43,16 @@ def test_each_record_is_simulated_from_its_own_start():
 )  # fmt: skip
 def test_a_law_is_shared_but_for_its_start_and_what_happens_once(name, own):
     extended, values = joint(name)
-    copies = {p.split(f"{name}.record_2.")[1] for p in extended.names if f"{name}.record_2" in p}
+    copies = {
+        p.split(f"{name}.record_2.")[1] for p in extended.layout.names if f"{name}.record_2" in p
+    }
     law = catalogue()[name].parameters(extended.attached[0].scales)
     assert copies == ({p.name for p in law if p.spread > 0} if own is None else own)
-    assert extended.coordinates(values).size == extended.free.size == extended.own_of_records.size
+    assert (
+        extended.layout.coordinates(values).size
+        == extended.layout.free.size
+        == extended.layout.own_of_records.size
+    )
     assert np.isfinite(extended.simulate(values, U, INTERVAL)).all()
 
 

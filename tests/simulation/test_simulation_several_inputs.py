@@ -32,9 +32,9 @@ P = {p.name: p.nominal for p in simulation.parameters}
 
 
 def values_of(extended, **changed):
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     for name, value in changed.items():
-        values[extended.names.index(name.replace("__", "."))] = value
+        values[extended.layout.names.index(name.replace("__", "."))] = value
     return values
 
 
@@ -118,16 +118,16 @@ def test_a_drive_for_all_inputs_is_one_place():
     shared = replace(simulation, drive="gain_left")
     extended = ExtendedSimulation(shared)
     drift = catalogue()["gain_drift"]
-    assert extended.places(drift) == 1
-    assert extended.places(catalogue()["transport_delay"]) == 2
-    assert extended.label(attached("gain_drift", 0)[0].attached[0]) == "gain_drift"
+    assert extended.places.number_for(drift) == 1
+    assert extended.places.number_for(catalogue()["transport_delay"]) == 2
+    assert extended.places.label(attached("gain_drift", 0)[0].attached[0]) == "gain_drift"
 
 
 def test_each_input_has_its_offset():
     u = excitation(SAMPLES)
     extended = ExtendedSimulation(simulation)
-    assert extended.input_offsets == ("input_offset.left", "input_offset.right")
-    assert extended.parameters[extended.names.index("input_offset.right")].unit == "A"
+    assert extended.layout.input_offsets == ("input_offset.left", "input_offset.right")
+    assert extended.layout.parameters[extended.layout.names.index("input_offset.right")].unit == "A"
     moved = values_of(extended, input_offset__left=0.3)
     expected = extended.simulate(values_of(extended), u + np.array([0.3, 0.0]), INTERVAL)
     assert np.array_equal(extended.simulate(moved, u, INTERVAL), expected)
@@ -145,8 +145,8 @@ def test_a_saved_extension_simulates_the_same(tmp_path):
     values = values_of(extended)
     save_extended(extended, values, INTERVAL, tmp_path / "extended.yaml")
     again, read, interval = load_extended(tmp_path / "extended.yaml")
-    assert again.names == extended.names
-    assert again.label(again.attached[0]) == "electrode_lag@right"
+    assert again.layout.names == extended.layout.names
+    assert again.places.label(again.attached[0]) == "electrode_lag@right"
     found = again.simulate(read, u, interval)
     assert np.array_equal(found, extended.simulate(values, u, INTERVAL))
 

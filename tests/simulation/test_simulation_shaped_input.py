@@ -24,7 +24,7 @@ def extended_by(simulation, effects, records):
     else:
         own = replace(own, input_offset_spread=0.1)
     bare = prepared(own, u, DT, 1e-4)
-    values = bare.values(np.zeros(bare.free.size))
+    values = bare.layout.prior_means
     record = SimpleNamespace(u=u, y=bare.simulate(values, u, DT), interval=DT)
     scales = measured_scales(bare, values, record)
     lengths = (len(u),) * records if records > 1 else ()
@@ -53,23 +53,23 @@ def extended_by(simulation, effects, records):
 )
 def test_a_shared_input_changes_no_run(simulation, effects, records):
     extended, values, u = extended_by(simulation, effects, records)
-    coordinates = extended.coordinates(values)
-    shaped = extended.shaped(extended.values(coordinates), u, DT)
+    coordinates = extended.layout.coordinates(values)
+    shaped = extended.shaped(extended.layout.values(coordinates), u, DT)
     changed = []
-    for i, index in enumerate(extended.free):
+    for i, index in enumerate(extended.layout.free):
         moved = coordinates.copy()
         moved[i] += 0.01
-        there = extended.values(moved)
+        there = extended.layout.values(moved)
         alone = extended.run(there, u, DT)
         np.testing.assert_array_equal(extended.run(there, u, DT, shaped), alone)
         known = extended.shaped(there, u, DT, shaped)
         if not any(a is b for a, b in zip(known, shaped, strict=True)):
-            changed.append(extended.names[index])
+            changed.append(extended.layout.names[index])
     assert any(name.startswith("input_offset") for name in changed)
     acts = load_simulation(simulation).action is not None
     own = {p.name for p in extended.simulation.parameters}
     assert acts == bool(own & set(changed))
-    assert len(changed) < extended.free.size
+    assert len(changed) < extended.layout.free.size
 
 
 @pytest.mark.parametrize("simulation", ["dea_film", "mass_spring_damper"])

@@ -31,7 +31,7 @@ def test_the_derivative_by_the_shift_is_the_same_from_both_sides():
 def test_a_simulation_can_be_logged_late():
     u = np.repeat(np.random.default_rng(3).uniform(-1, 1, 20), 25)
     extended = prepared(load_simulation("mass_spring_damper"), u, 1e-3, 1e-5)
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     plain = extended.simulate(values, u, 1e-3)
-    values[extended.names.index("timing_offset")] = 2e-3
+    values[extended.layout.names.index("timing_offset")] = 2e-3
     np.testing.assert_allclose(extended.simulate(values, u, 1e-3)[2:], plain[:-2])

@@ -37,7 +37,7 @@ class Explanation:
     @cached_property
     def labels(self) -> tuple[str, ...]:
         """Its effects, with the force port of each where the simulation has several."""
-        return tuple(sorted(self.extended.label(a) for a in self.extended.attached))
+        return tuple(sorted(self.extended.places.label(a) for a in self.extended.attached))
 
     @cached_property
     def name(self) -> str:
@@ -57,12 +57,12 @@ class Explanation:
 
     def simulated(self, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the output (n,) that the mean predicts; NaN where it diverges."""
-        return self.extended.simulate(self.extended.values(self.mean), u, interval)
+        return self.extended.simulate(self.extended.layout.values(self.mean), u, interval)
 
     def linearised(self, u: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
         """Return that output, which must not diverge, and its derivative (n, k) by coordinates."""
         problem = as_problem(Samples(u, np.zeros(u.size), interval))
-        residual = problem.residual(self.extended, self.extended.values(self.mean))
+        residual = problem.residual(self.extended, self.extended.layout.values(self.mean))
         every = np.arange(self.mean.size)
         J = sensitivities(problem, self.extended, self.mean, residual, every)
         return -residual, -J
@@ -72,7 +72,7 @@ class Explanation:
 
         With the ``slope`` S (n, k) of all that was minimised, SᵀS is the precision.
         """
-        own = self.extended.own_of_records
+        own = self.extended.layout.own_of_records
         apart = _inverse(triangle(slope))
         root = np.eye(mean.size)
         root[np.ix_(~own, ~own)] = _lower(apart[~own])
@@ -103,14 +103,14 @@ def explanation_of(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     scatter = triangle(np.vstack([*spreads, prior]))
     inverse = _inverse(triangle(np.vstack([J, prior])))
     joint_root = inverse @ (inverse.T @ scatter.T)
-    own = joint.own_of_records
-    places = {joint.names[i]: k for k, i in enumerate(joint.free) if not own[k]}
-    kept = [k for k, i in enumerate(alone.free) if alone.names[i] in places]
-    of_joint = [places[alone.names[alone.free[k]]] for k in kept]
-    mean, root = np.zeros(alone.free.size), np.eye(alone.free.size)
+    own = joint.layout.own_of_records
+    places = {joint.layout.names[i]: k for k, i in enumerate(joint.layout.free) if not own[k]}
+    kept = [k for k, i in enumerate(alone.layout.free) if alone.layout.names[i] in places]
+    of_joint = [places[alone.layout.names[alone.layout.free[k]]] for k in kept]
+    mean, root = np.zeros(alone.layout.free.size), np.eye(alone.layout.free.size)
     mean[kept] = fitted.coordinates[of_joint]
     root[np.ix_(kept, kept)] = _lower(joint_root[of_joint])
-    low, high = alone.bounds
+    low, high = alone.layout.bounds
     return Explanation(alone.as_recorded, np.clip(mean, low, high), root)
 
 

@@ -45,7 +45,7 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
     precise = solve_triangular(L, np.eye(every.size), lower=True)
 
     def residual(x: np.ndarray) -> np.ndarray:
-        return problem.residual(extended, extended.values(x))
+        return problem.residual(extended, extended.layout.values(x))
 
     def cost(x: np.ndarray) -> np.ndarray:
         left = residual(x)
@@ -57,7 +57,7 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
         J = sensitivities(problem, extended, x, residual(x), every)
         return np.vstack([error.whitened(J, known), precise])
 
-    low, high = extended.bounds
+    low, high = extended.layout.bounds
     starts = [np.clip(k * explanation.mean, low + _INSIDE, high - _INSIDE) for k in _STARTS]
     start = next((x for x in starts if np.isfinite(residual(x)).all()), None)
     if start is None:

@@ -6,36 +6,23 @@ from functools import cached_property
 
 import numpy as np
 
-from dea.effect_label import labelled
 from dea.errors import InputError
 from dea.inputs import by_input
 from dea.simulation.arguments import Values, Workspace
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
-from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
-from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import InputInterpolation
+from dea.simulation.layout import ParameterLayout
 from dea.simulation.normalisation import Normalisation
-from dea.simulation.parameter import (
-    INPUT_OFFSET,
-    OUTPUT_GAIN,
-    OUTPUT_OFFSET,
-    TIMING_OFFSET,
-    Parameter,
-    Scaling,
-)
+from dea.simulation.places import Places
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import UNFILTERED
 from dea.simulation.shaped_input import ShapedInput
 from dea.simulation.signatures import SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.timing import shifted
-from dea.units import product
-
-# Prior spreads that a parameter of the simulation may be from its nominal value.
-_REACH = 3.0
 
 
 def samples_of_each(lengths: Sequence[int]) -> list[slice]:
@@ -64,37 +51,14 @@ class ExtendedSimulation:
     interpolation: InputInterpolation | None = None
 
     @cached_property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Parameters of simulation, initial state, input, sensor and effects, as in ``values``."""
-        own = self.simulation
-        starts = (
-            Parameter(f"{record}initial.{s.name}", s.unit, s.initial, s.spread, at_start=True)
-            for record in ("", *(f"record_{k}." for k in range(2, self.records + 1)))
-            for s in own.states
-        )
-        ends = (
-            *(
-                Parameter(name, each.unit, 0.0, each.offset_spread)
-                for name, each in zip(self.input_offsets, own.inputs, strict=True)
-            ),
-            Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
-            Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
-            Parameter(TIMING_OFFSET, "s", 0.0, self.timing_spread),
-        )
-        laws = (
-            replace(p, name=f"{self.label(a)}.{p.name}")
-            for a in self.attached
-            for p in a.parameters
-        )
-        return (*own.parameters, *starts, *ends, *laws)
+    def places(self) -> Places:
+        """Its force ports and inputs."""
+        return Places(self.simulation, self.normalisations)
 
-    @property
-    def input_offsets(self) -> tuple[str, ...]:
-        """The names of the constants that are added to the inputs."""
-        inputs = self.simulation.inputs
-        if len(inputs) == 1:
-            return (INPUT_OFFSET,)
-        return tuple(f"{INPUT_OFFSET}.{each.name}" for each in inputs)
+    @cached_property
+    def layout(self) -> ParameterLayout:
+        """Its parameters, and those of the effects."""
+        return ParameterLayout(self.places, self.attached, self.records, self.timing_spread)
 
     @property
     def records(self) -> int:
@@ -119,220 +83,14 @@ class ExtendedSimulation:
         attached = tuple(replace(a, records=1) for a in self.attached)
         return replace(self, attached=attached, lengths=())
 
-    def of_record(self, values: np.ndarray, record: int) -> np.ndarray:
-        """Return the parameter values of ``alone`` for one record, counted from zero."""
-        own, states = len(self.simulation.parameters), len(self.simulation.states)
-        start = own + record * states
-        laws = (
-            a.of_record(values[part], record)
-            for a, part in zip(self.attached, self.effect_slices, strict=True)
-        )
-        ends = values[own + self.records * states : self._laws_from]
-        return np.concatenate([values[:own], values[start : start + states], ends, *laws])
-
-    def each(self, values: np.ndarray) -> list[tuple[slice, np.ndarray]]:
-        """Return the samples of each record, and the values of ``alone`` for it."""
+    def of_each_record(self, values: np.ndarray) -> list[tuple[slice, np.ndarray]]:
+        """Return the samples of each record, and the values of :attr:`alone` for it."""
         if self.records == 1:
             return [(slice(None), values)]
         return [
-            (samples, self.of_record(values, record))
+            (samples, self.layout.of_record(values, record))
             for record, samples in enumerate(samples_of_each(self.lengths))
         ]
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters, in order."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @cached_property
-    def free(self) -> np.ndarray:
-        """Indices of the parameters that a fit may change."""
-        free = [i for i, p in enumerate(self.parameters) if p.spread > 0]
-        return np.array(free, dtype=int)  # an integer array where there is none, too
-
-    @cached_property
-    def _nominal(self) -> np.ndarray:
-        """Nominal values of all parameters."""
-        return np.array([p.nominal for p in self.parameters])
-
-    @cached_property
-    def _scaling(self) -> Scaling:
-        """Scaling of the free coordinates."""
-        return Scaling.of([self.parameters[i] for i in self.free])
-
-    @cached_property
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the free coordinates.
-
-        The simulation's own parameters stay within a few spreads of their prior: larger changes
-        of known parameters would make up for a missing effect.
-        """
-        pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free]).reshape(-1, 2)
-        own = ~self.of_laws
-        pairs[own] = np.clip(pairs[own], -_REACH, _REACH)
-        return pairs[:, 0], pairs[:, 1]
-
-    @cached_property
-    def _laws_from(self) -> int:
-        """Where in ``values`` the effects' parameters begin."""
-        return len(self.parameters) - sum(len(a.parameters) for a in self.attached)
-
-    @cached_property
-    def _of_sensor(self) -> slice:
-        """Where in ``values`` gain, offset and timing of the sensor are."""
-        return slice(self._laws_from - 3, self._laws_from)
-
-    @cached_property
-    def _of_inputs(self) -> slice:
-        """Where in ``values`` the constants are that are added to the inputs."""
-        end = self._of_sensor.start
-        return slice(end - len(self.simulation.inputs), end)
-
-    @cached_property
-    def of_laws(self) -> np.ndarray:
-        """Which free coordinates are the effects', and not the simulation's own."""
-        result: np.ndarray = self.free >= self._laws_from
-        return result
-
-    @cached_property
-    def shapes(self) -> np.ndarray:
-        """Which free coordinates only shape a law."""
-        return np.array([self.parameters[i].shape for i in self.free])
-
-    @cached_property
-    def at_start(self) -> np.ndarray:
-        """Which free coordinates belong to the state at the start of the record."""
-        return np.array([self.parameters[i].at_start for i in self.free])
-
-    @cached_property
-    def events(self) -> np.ndarray:
-        """Which free coordinates say when something happened, or how long that took."""
-        return np.array([self.parameters[i].event for i in self.free], bool)
-
-    @cached_property
-    def instants(self) -> np.ndarray:
-        """Which free coordinates say when something happened."""
-        # How long it took is positive, and counted by its logarithm.
-        lasting = np.array([self.parameters[i].log for i in self.free], bool)
-        result: np.ndarray = self.events & ~lasting
-        return result
-
-    @cached_property
-    def own_of_records(self) -> np.ndarray:
-        """Which free coordinates belong to one record: its start, and what happens in it alone."""
-        own = np.array([p.at_start for p in self.parameters])
-        for a, part in zip(self.attached, self.effect_slices, strict=True):
-            own[part] |= not a.effect.transferable
-        result: np.ndarray = own[self.free]
-        return result
-
-    @cached_property
-    def effect_slices(self) -> tuple[slice, ...]:
-        """Where in ``values`` each effect's parameters are."""
-        position = self._laws_from
-        slices = []
-        for a in self.attached:
-            slices.append(slice(position, position + len(a.parameters)))
-            position += len(a.parameters)
-        return tuple(slices)
-
-    def values(self, coordinates: np.ndarray) -> np.ndarray:
-        """Return all parameter values at free ``coordinates``; known ones stay nominal."""
-        result = self._nominal.copy()
-        result[self.free] = self._scaling.values(coordinates)
-        return result
-
-    def coordinates(self, values: np.ndarray) -> np.ndarray:
-        """Return the free coordinates of parameter ``values``."""
-        return np.array([self.parameters[i].coordinate(values[i]) for i in self.free])
-
-    def label(self, attached: Attached) -> str:
-        """Return an effect's name, with its force port or input where there are several."""
-        port = self.force_port_of(attached)
-        return labelled(attached.effect.name, port.name) if port else self.name_of(attached)
-
-    def name_of(self, attached: Attached) -> str:
-        """Return an effect's name, with the input it acts on where the simulation has several."""
-        at = self.input_of(attached)
-        return labelled(attached.effect.name, at.name if at else None)
-
-    def input_of(self, attached: Attached) -> Input | None:
-        """Return the input that an effect acts on, if the simulation has several."""
-        effect = attached.effect
-        if not effect.on_input or self.places(effect) < 2:
-            return None
-        return self.simulation.inputs[attached.place]
-
-    def ports_for(self, effect: Effect) -> list[int]:
-        """Return the numbers of the force ports that a force law can act at."""
-        ports = enumerate(self.simulation.force_ports)
-        return [k for k, port in ports if port.position is not None or not effect.needs_position]
-
-    def places(self, effect: Effect) -> int:
-        """Return at how many force ports, or inputs, an effect can act."""
-        own = self.simulation
-        if effect.force is not None:
-            return len(self.ports_for(effect))
-        if effect.shape_input is not None:
-            return len(own.inputs)
-        return len(own.drives) if effect.scale_drive is not None else 1
-
-    def force_port_of(self, attached: Attached) -> ForcePort | None:
-        """Return the force port of a force law, if the simulation has several."""
-        ports = self.simulation.force_ports
-        if attached.effect.force is None or len(ports) < 2:
-            return None
-        return ports[attached.place]
-
-    def frame_of(self, attached: Attached) -> tuple[Normalisation, str]:
-        """Return how the motion that a force law acts on is normalised, and its position's unit."""
-        port = self.simulation.force_ports[attached.place]
-        return self.normalisations[attached.place], self._length_at(port)
-
-    def own_unit(self, attached: Attached, parameter: Parameter) -> tuple[float, float, str]:
-        """Return where a parameter of an effect counts from, what its unit is, and the unit's name.
-
-        Places and lengths of a force law are in the unit of its port's position, or of the integral
-        of its velocity. Its forces are in that of the port's equation: that of its state per
-        second, times that of the divisor.
-        """
-        as_it_is = 0.0, 1.0, parameter.unit
-        if not parameter.at_port:
-            return as_it_is
-        port = self.simulation.force_ports[attached.place]
-        frame = self.normalisations[attached.place]
-        force, length = self._force_at(port), self._length_at(port)
-        units = {
-            "force": (0.0, frame.unit_force, force),
-            "place": (frame.rest, frame.scale, length),
-            "length": (0.0, frame.scale, length),
-            "rate": (0.0, frame.scale, product(length, below="s")),
-            "stiffness": (0.0, frame.unit_force / frame.scale, product(force, below=length)),
-        }
-        found = units.get(parameter.at_port, as_it_is)
-        return found if found[1] else as_it_is
-
-    def force_unit(self, attached: Attached) -> tuple[float, str]:
-        """Return the unit of the force of a law at its port: its size and its name.
-
-        Where the port has none, forces are as they are.
-        """
-        size = self.normalisations[attached.place].unit_force
-        port = self.simulation.force_ports[attached.place]
-        return (size, self._force_at(port)) if size else (1.0, "1")
-
-    def _length_at(self, port: ForcePort) -> str:
-        """Return the unit of a port's position, or of the integral of its velocity."""
-        states = {each.name: each.unit for each in self.simulation.states}
-        if port.position is not None:
-            return states[port.position]
-        return product(states[port.velocity or ""], "s")
-
-    def _force_at(self, port: ForcePort) -> str:
-        """Return the unit of a port's forces: of its equation, times that of the divisor."""
-        states = {each.name: each.unit for each in self.simulation.states}
-        divisors = {each.name: each.unit for each in self.simulation.parameters}
-        return product(states[port.equation], divisors.get(port.divisor or "", "1"), below="s")
 
     @property
     def takes_force(self) -> bool:
@@ -400,7 +158,7 @@ class ExtendedSimulation:
     ) -> list[np.ndarray]:
         """Return what ``run`` does of each record, from the start of its lead-in on."""
         shaped = self.shaped(values, u, interval, shaped)
-        each = [own for _, own in self.each(values)]
+        each = [own for _, own in self.of_each_record(values)]
         return [self.alone._motion(own, s) for own, s in zip(each, shaped, strict=True)]
 
     def _motion(self, values: np.ndarray, shaped: ShapedInput) -> np.ndarray:
@@ -432,7 +190,7 @@ class ExtendedSimulation:
     ) -> list[ShapedInput]:
         """Return the input of each record as the laws shape it: one ``known``, where it serves."""
         made = []
-        for number, (samples, own) in enumerate(self.each(values)):
+        for number, (samples, own) in enumerate(self.of_each_record(values)):
             if known is not None and known[number].serves(self.alone, own):
                 made.append(known[number])
             else:
@@ -455,14 +213,18 @@ class ExtendedSimulation:
                 field="u",
                 remedy="Give the inputs of the simulation, in its order, as the columns of u",
             )
-        return [each + added for each, added in zip(inputs, values[self._of_inputs], strict=True)]
+        return [
+            each + added for each, added in zip(inputs, values[self.layout.of_inputs], strict=True)
+        ]
 
     def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
         """Return the sensor's reading of an output, shape (n,)."""
         if self.records > 1:
-            parts = [self.alone.read(output[p], own, interval) for p, own in self.each(values)]
+            parts = [
+                self.alone.read(output[p], own, interval) for p, own in self.of_each_record(values)
+            ]
             return np.concatenate(parts)
-        gain, offset, late = values[self._of_sensor]
+        gain, offset, late = values[self.layout.of_sensor]
         y: np.ndarray = gain * shifted(output, late / interval) + offset
         t = np.arange(y.size) * interval
         for a, q in self.laws(values):
@@ -470,18 +232,9 @@ class ExtendedSimulation:
                 y = a.effect.shape_output(y, t, q, interval)
         return y
 
-    @cached_property
-    def only_read(self) -> np.ndarray:
-        """Which free coordinates change the reading alone, and not the motion."""
-        sensing = set(range(self._of_sensor.start, self._of_sensor.stop))
-        for a, own in zip(self.attached, self.effect_slices, strict=True):
-            law = zip(range(own.start, own.stop), self.parameters[own], strict=True)
-            sensing.update(index for index, each in law if a.effect.only_reads or each.reads)
-        return np.isin(self.free, list(sensing))
-
     def laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:
         """Return each effect with its parameters, in the order in which they are applied."""
-        return [(self.attached[i], values[self.effect_slices[i]]) for i in self.order]
+        return [(self.attached[i], values[self.layout.effect_slices[i]]) for i in self.order]
 
     @cached_property
     def order(self) -> tuple[int, ...]:
@@ -490,17 +243,6 @@ class ExtendedSimulation:
         for index, each in enumerate(self.attached):
             order.insert(0 if each.upstream else len(order), index)
         return tuple(order)
-
-    @cached_property
-    def shaping(self) -> np.ndarray:
-        """Indices of the ``values`` that change the input, its action, or the drive."""
-        own = self.simulation
-        parts = [range(self._of_inputs.start, self._of_inputs.stop)]
-        parts += [range(len(own.parameters))] if own.action is not None else []
-        for a, law in zip(self.attached, self.effect_slices, strict=True):
-            if a.effect.shape_input is not None or a.effect.scale_drive is not None:
-                parts.append(range(law.start, law.stop))
-        return np.concatenate([np.array(part, dtype=int) for part in parts])
 
     @cached_property
     def _drive(self) -> int | np.ndarray:
@@ -512,7 +254,7 @@ class ExtendedSimulation:
     @cached_property
     def pushing(self) -> tuple[tuple[Attached, slice], ...]:
         """Return the effects attached that are forces, and where in ``values`` they are."""
-        pairs = zip(self.attached, self.effect_slices, strict=True)
+        pairs = zip(self.attached, self.layout.effect_slices, strict=True)
         return tuple((a, own) for a, own in pairs if a.effect.force is not None)
 
     @cached_property

@@ -75,7 +75,7 @@ def law_courses(
     motions = motions or extended.motions(values, u, interval)
     records = [
         _changes(extended.alone, own, u[part], interval, motion)
-        for (part, own), motion in zip(extended.each(values), motions, strict=True)
+        for (part, own), motion in zip(extended.of_each_record(values), motions, strict=True)
     ]
     wanted = like or [None] * len(extended.attached)
     return [
@@ -109,7 +109,7 @@ def _changes(
 ) -> list[list[_Change]]:
     """Return, for each effect attached, all that it changes in one record."""
     own = extended.simulation
-    known = dict(zip(extended.names, values.tolist(), strict=True))
+    known = dict(zip(extended.layout.names, values.tolist(), strict=True))
     output, position = motion
     output = output[extended.lead(interval) :]
     time = np.arange(output.size) * interval
@@ -119,7 +119,7 @@ def _changes(
     changes: list[list[_Change]] = [[] for _ in extended.attached]
     for index in extended.order:
         each, found = extended.attached[index], changes[index]
-        effect, place, q = each.effect, each.place, values[extended.effect_slices[index]]
+        effect, place, q = each.effect, each.place, values[extended.layout.effect_slices[index]]
         if effect.shape_input is not None:
             before = acting[place]
             acting[place] = effect.shape_input(before, q, interval)
@@ -179,7 +179,7 @@ def _pushed(
         axes = Axis(after, "time after a step", "s"), Axis(lost, "relaxed / elastic stiffness", "1")
         return LawCourse(*axes, np.zeros(after.size), "stiffness")
     port = extended.simulation.force_ports[attached.place]
-    (frame, unit), lead = extended.frame_of(attached), extended.lead(interval)
+    (frame, unit), lead = extended.places.frame_of(attached), extended.lead(interval)
     # What remembers the motion alone begins with the record, as in the integrator.
     begin = lead if effect.remembers_motion else 0
     law = np.zeros(MEMORY)

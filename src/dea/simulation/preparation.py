@@ -75,7 +75,7 @@ def prepared(
     extended = ExtendedSimulation(
         simulation, lengths=lengths if len(lengths) > 1 else (), interpolation=interpolation
     )
-    values = extended.values(np.zeros(extended.free.size))
+    values = extended.layout.prior_means
     extended = with_fine_steps(extended, values, u, interval, tolerance)
     if extended.substeps == _SUBSTEPS[-1]:
         extended = _while_settled(extended, values, u, interval, tolerance)
@@ -226,7 +226,7 @@ def motion(
     ``force_port`` counts from 0.
     """
     port = extended.simulation.force_ports[force_port]
-    prior = extended.values(np.zeros(extended.free.size))
+    prior = extended.layout.prior_means
     z, z_prior = (
         _deflection(extended, port, v, record.u, record.interval)
         / extended.normalisations[force_port].scale
@@ -286,7 +286,7 @@ def _deflection(
         extended, simulation=alone, attached=(), normalisations=(Normalisation(port.rest),),
         timing_spread=0.0,
     )  # fmt: skip
-    values = values[: len(bare.parameters)]
+    values = values[: len(bare.layout.parameters)]
     output, position = bare.run(values, u, interval)
     return bare.read(output, values, interval) if port.position is None else position
 

@@ -61,7 +61,7 @@ def save_extended(
         ],
         "parameters": {
             p.name: {"value": float(value), "unit": p.unit}
-            for p, value in zip(extended.parameters, values, strict=True)
+            for p, value in zip(extended.layout.parameters, values, strict=True)
         },
     }
     with atomic(Path(path)) as partial:
@@ -112,7 +112,7 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             tuple(Normalisation(**each) for each in content["normalisations"]),
             content["substeps"],
         )
-        values = [_value_of(name, content["parameters"], file) for name in extended.names]
+        values = [_value_of(name, content["parameters"], file) for name in extended.layout.names]
         return extended, np.array(values), float(content["interval"])
     except InputError:
         raise

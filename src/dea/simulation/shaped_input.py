@@ -64,8 +64,8 @@ class ShapedInput:
             table = own.action.table(p) if own.action.table else None
         straight = int(extended.input_interpolation != "zero")
         course = Course(v, steps, straight, drive_scale, interval, substeps, lead)
-        return cls(course, values[extended.shaping], table)
+        return cls(course, values[extended.layout.shaping], table)
 
     def serves(self, extended: "ExtendedSimulation", values: np.ndarray) -> bool:
         """Return whether it is also that of other ``values`` of the same simulation."""
-        return np.array_equal(values[extended.shaping], self.decisive)
+        return np.array_equal(values[extended.layout.shaping], self.decisive)

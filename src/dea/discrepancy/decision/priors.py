@@ -69,7 +69,7 @@ def _fit_freed(evidence: Evidence, workers: int) -> Fit:
     wider = [replace(each, spread=_WIDER * each.spread) for each in declared.parameters]
     freed = replace(nominal.extended, simulation=replace(declared, parameters=tuple(wider)))
     starts = [
-        freed.coordinates(nominal.extended.values(each))
+        freed.layout.coordinates(nominal.extended.layout.values(each))
         for each in (own, 0.0 * own, np.where(there, 2.0 * own, own))
     ]
     fits = in_parallel(

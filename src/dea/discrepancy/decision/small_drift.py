@@ -46,7 +46,7 @@ def _small(evidence: Evidence, fitted: Fit) -> bool:
 def _without_drift(chosen: Candidate, pool: Sequence[Candidate]) -> Candidate | None:
     """Return the other effects alone, if there is a drift and no others as many are better."""
     extended = chosen.fit.extended
-    kept = {extended.label(a) for a in extended.attached if not a.effect.drifts_reading}
+    kept = {extended.places.label(a) for a in extended.attached if not a.effect.drifts_reading}
     if kept == set(chosen.labels):
         return None
     as_many = (c for c in pool if c.finished and len(c.labels) == len(kept))

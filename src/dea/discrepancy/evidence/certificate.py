@@ -109,16 +109,16 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     """
     joint, extended = fitted.extended, fitted.extended.alone.as_recorded
     records = range(max(1, len(joint.lengths)))
-    known = [joint.of_record(fitted.values, number) for number in records]
-    if not extended.at_start.any():
+    known = [joint.layout.of_record(fitted.values, number) for number in records]
+    if not extended.layout.at_start.any():
         return extended.simulate(known[0], other.u, other.interval)
     outputs, seen = filled(other.y)
     head = seen & (np.cumsum(seen) <= max(10, round(_HEAD * seen.sum())))
     nothing = np.zeros_like(head)
     noise = max(rmse(fitted.residual, np.isfinite(fitted.residual)), 1e-12)
     problem = Problem(other.u, outputs, other.interval, head, nothing, nothing, noise)
-    held = Columns(held=~extended.at_start)
-    own = fit(problem, extended, extended.coordinates(known[0]), iterations=10, columns=held)
+    held = Columns(held=~extended.layout.at_start)
+    own = fit(problem, extended, extended.layout.coordinates(known[0]), iterations=10, columns=held)
     tried = [extended.simulate(each, other.u, other.interval) for each in (*known, own.values)]
     errors = [rmse(other.y - y, head) for y in tried]
     nearest = int(np.argmin(np.nan_to_num(errors[:-1], nan=np.inf)))
@@ -130,5 +130,5 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     samples = max(head.sum() / memory_of((other.y - tried[nearest])[head], 0.0), 1.0)
     least = np.finfo(float).tiny
     gained = samples * np.log(max(errors[nearest], least) / max(errors[-1], least))
-    charge = 0.5 * int(extended.at_start.sum()) * np.log(head.sum())
+    charge = 0.5 * int(extended.layout.at_start.sum()) * np.log(head.sum())
     return tried[-1] if gained > charge else tried[nearest]

@@ -37,7 +37,7 @@ def ladder(evidence: Evidence, nominal: Fit, final: Fit, pool: Sequence[Candidat
 
     There is no rung for a part of the extension that is not among the candidates of the ``pool``.
     """
-    labels = [final.extended.label(a) for a in final.extended.attached]
+    labels = [final.extended.places.label(a) for a in final.extended.attached]
     rungs: list[tuple[str | None, Fit]] = [(None, nominal)]
     best_first = sorted(pool, key=lambda c: not c.finished)
     for count in range(1, len(labels)):
@@ -61,7 +61,7 @@ def contributions(
     The interval of a single effect is that over the whole catalogue, ``gained``.
     """
     attached = final.extended.attached
-    order = [final.extended.label(effect) for effect in attached]
+    order = [final.extended.places.label(effect) for effect in attached]
     reached = [-1, *(order.index(rung.label) for rung in rungs if rung.label is not None)]
     result = []
     for index, effect in enumerate(attached):
@@ -69,7 +69,7 @@ def contributions(
         before, after = (rung.residual for rung in rungs[last - 1 : last + 1])
         if len(attached) == 1:
             labels = [c.labels for c in singles]
-            found, at = gained, labels.index((final.extended.label(effect),))
+            found, at = gained, labels.index((final.extended.places.label(effect),))
         else:
             found, at = gains([before], [after], evidence.blocks, 0.0, evidence.rng), 0
         seen = evidence.problem.seen

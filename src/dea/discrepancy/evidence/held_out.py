@@ -68,7 +68,7 @@ class HeldOut:
     def _cross_validated(self, fitted: Fit, short: bool) -> tuple[np.ndarray, np.ndarray]:
         result = fitted.residual.copy()
         estimates = []
-        untold = fitted.extended.at_start | fitted.extended.events
+        untold = fitted.extended.layout.at_start | fitted.extended.layout.events
         for fold in folds(self._problem, fitted.records if short else ()):
             again = fit(
                 self._problem.seeing(~fold),

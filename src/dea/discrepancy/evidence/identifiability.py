@@ -53,6 +53,6 @@ def most_visible(problem: Problem, before: Fit, candidate: Fit, enough: float) -
         if found.size >= enough:
             break
         values = np.concatenate([before.values, law.started(start)])
-        there = at(problem, candidate.extended, candidate.extended.coordinates(values))
+        there = at(problem, candidate.extended, candidate.extended.layout.coordinates(values))
         found = max(found, visibility(problem, before, there), key=lambda each: each.size)
     return found

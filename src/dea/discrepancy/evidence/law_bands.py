@@ -28,12 +28,12 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
     """
     extended = fit.extended
     motions = extended.motions(fit.values, samples.u, samples.interval)
-    low, high = extended.bounds
+    low, high = extended.layout.bounds
 
     def courses(
         coordinates: np.ndarray, like: list[LawCourse | None] | None = None
     ) -> list[LawCourse | None]:
-        values = extended.values(np.clip(coordinates, low, high))
+        values = extended.layout.values(np.clip(coordinates, low, high))
         return law_courses(extended, values, samples.u, samples.interval, motions, like)
 
     fitted = courses(fit.coordinates)
@@ -47,8 +47,10 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
             banded.append(None)
             continue
         value = course.value.values
-        where = extended.effect_slices[index]
-        own = np.flatnonzero((extended.free >= where.start) & (extended.free < where.stop))
+        where = extended.layout.effect_slices[index]
+        own = np.flatnonzero(
+            (extended.layout.free >= where.start) & (extended.layout.free < where.stop)
+        )
         variances, axes = np.linalg.eigh(covariance[np.ix_(own, own)])
         above, below = np.zeros(samples.size), np.zeros(samples.size)
         for step in (DEVIATIONS * np.sqrt(np.maximum(variances, 0.0)) * axes).T:
@@ -71,10 +73,10 @@ def in_port_unit(law: BandedLaw, extended: ExtendedSimulation, attached: Attache
     """
     size, unit, name = 1.0, "1", law.course.quantity
     if name == "force":
-        size, unit = extended.force_unit(attached)
+        size, unit = extended.places.force_unit(attached)
     elif name == "stiffness":
         [like] = (each for each in attached.parameters if each.name == name)
-        _, size, unit = extended.own_unit(attached, like)
+        _, size, unit = extended.places.own_unit(attached, like)
         name = "relaxed stiffness"
     if unit == "1":
         return law

@@ -51,7 +51,7 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float, shaped: float) 
     J = fitted.jacobian[samples] / np.sqrt(max(density, 1e-300))
     r = fitted.residual[samples] / np.sqrt(max(density, 1e-300))
     told = _Told(fitted.coordinates, J.T @ J, J.T @ r)
-    shapes: list[int] = np.flatnonzero(fitted.extended.shapes).tolist()
+    shapes: list[int] = np.flatnonzero(fitted.extended.layout.shapes).tolist()
 
     @cache
     def volume(expected: _Shapes) -> float:

@@ -37,11 +37,11 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
     determined is left as it is, and so is one along which the cost is flatter than the parabola.
     """
     extended, centre = fit.extended, fit.coordinates
-    low, high = extended.bounds
+    low, high = extended.layout.bounds
     noisy = problem.with_noise(np.sqrt(variance))
 
     def cost(coordinates: np.ndarray) -> float:
-        residual = noisy.residual(extended, extended.values(coordinates))
+        residual = noisy.residual(extended, extended.layout.values(coordinates))
         return cost_of(residual, coordinates, noisy)
 
     lowest = cost(centre)

@@ -39,6 +39,6 @@ def _on(problem: Problem, record: np.ndarray, fitted: Fit) -> float:
         extended,
         elsewhere.coordinates,
         iterations=_ITERATIONS,
-        columns=Columns(held=~extended.own_of_records),
+        columns=Columns(held=~extended.layout.own_of_records),
     )
     return rmse(own.residual, record & problem.seen)

@@ -42,19 +42,19 @@ class Candidate:
 
         Of several inputs with the one that each acts on: elsewhere it is another effect.
         """
-        return tuple(self.fit.extended.name_of(a) for a in self.fit.extended.attached)
+        return tuple(self.fit.extended.places.name_of(a) for a in self.fit.extended.attached)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
         """The same with the force port of each where the simulation has several."""
-        return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
+        return tuple(self.fit.extended.places.label(a) for a in self.fit.extended.attached)
 
     @property
     def places(self) -> int:
         """In how many ways its effects could be attached to the force ports of the simulation."""
         extended = self.fit.extended
         forces = (a.effect for a in extended.attached if a.effect.force is not None)
-        return prod(map(extended.places, forces))
+        return prod(map(extended.places.number_for, forces))
 
     @cached_property
     def at_bounds(self) -> tuple[str, ...]:
@@ -65,16 +65,16 @@ class Candidate:
         another one of the law has left its prior mean.
         """
         extended = self.fit.extended
-        own = ~extended.shapes & ~extended.at_start
+        own = ~extended.layout.shapes & ~extended.layout.at_start
         found = self.fit.coordinates
         near = at_bounds(extended, found)
         moved = np.abs(found) > CLOSE
         counted: list[int] = []
-        for part in extended.effect_slices:
-            of_law = own & (extended.free >= part.start) & (extended.free < part.stop)
+        for part in extended.layout.effect_slices:
+            of_law = own & (extended.layout.free >= part.start) & (extended.layout.free < part.stop)
             there = (of_law & moved).any()
-            counted += extended.free[of_law & near & (moved | ~there)].tolist()
-        return tuple(extended.names[i] for i in counted)
+            counted += extended.layout.free[of_law & near & (moved | ~there)].tolist()
+        return tuple(extended.layout.names[i] for i in counted)
 
     @cached_property
     def counted(self) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ def at_its_error(problem: Problem, fitted: Fit, clean: float, workers: int = 1) 
     if within is problem:
         return fitted
     # Samples that a fit does not see may have dated an event.
-    columns = Columns(held=fitted.extended.events)
+    columns = Columns(held=fitted.extended.layout.events)
 
     def stepped(start: np.ndarray, steps: int) -> Fit:
         return fit(
@@ -71,13 +71,13 @@ def _starts(fitted: Fit) -> Iterator[np.ndarray]:
     """
     extended, own = fitted.extended, fitted.coordinates
     yield own
-    yield np.where(extended.of_laws & ~extended.events, 0.0, own)
-    for beside in (own, np.where(extended.of_laws, own, 0.0)):
-        for law, part in zip(extended.attached, extended.effect_slices, strict=True):
+    yield np.where(extended.layout.of_laws & ~extended.layout.events, 0.0, own)
+    for beside in (own, np.where(extended.layout.of_laws, own, 0.0)):
+        for law, part in zip(extended.attached, extended.layout.effect_slices, strict=True):
             for start in law.effect.starts(law.scales):
-                values = extended.values(beside)
+                values = extended.layout.values(beside)
                 values[part] = law.started(start)
-                yield np.where(extended.events, own, extended.coordinates(values))
+                yield np.where(extended.layout.events, own, extended.layout.coordinates(values))
 
 
 def on_whole_record(problem: Problem, fitted: Fit, clean: float) -> Fit:
@@ -88,7 +88,7 @@ def on_whole_record(problem: Problem, fitted: Fit, clean: float) -> Fit:
     """
     whole = with_its_error(problem, fitted, clean).whole()
     free = fit(whole, fitted.extended, fitted.coordinates)
-    names = [fitted.extended.names[i] for i in fitted.extended.free]
+    names = [fitted.extended.layout.names[i] for i in fitted.extended.layout.free]
     if TIMING_OFFSET not in names:
         return free
     timing = np.array([name == TIMING_OFFSET for name in names])

@@ -34,10 +34,10 @@ def with_events_dated(problem: Problem, fitted: Fit) -> Fit:
     if len(fitted.records) > 1 or not problem.certify.any():
         return fitted
     tried = np.linspace(*_undated(problem), _TRIED)
-    for part in extended.effect_slices:
+    for part in extended.layout.effect_slices:
         events, instants = (
-            [i for i in extended.free[those] if part.start <= i < part.stop]
-            for those in (extended.events, extended.instants)
+            [i for i in extended.layout.free[those] if part.start <= i < part.stop]
+            for those in (extended.layout.events, extended.layout.instants)
         )
         if instants:
             fitted = _dated(problem, fitted, events, instants, tried)
@@ -72,7 +72,7 @@ def _dated(
         for place in places:
             values = fitted.values.copy()
             values[instants] = place
-            x, residual = extended.coordinates(values), problem.residual(extended, values)
+            x, residual = extended.layout.coordinates(values), problem.residual(extended, values)
             cost = cost_of(residual, x, whole)
             if cost < found.cost and cost_of(residual, x, problem) <= most:
                 found = _Start(x, cost, place)
@@ -84,6 +84,6 @@ def _dated(
         start = best_of(start.place + around, start)
     elif not inside:
         return fitted
-    held = np.array([i not in events for i in extended.free])
+    held = np.array([i not in events for i in extended.layout.free])
     best = fit(whole, extended, start.coordinates, columns=Columns(held=held))
     return at(problem, extended, best.coordinates) if best.cost < left else fitted

@@ -55,7 +55,7 @@ class Fit:
     @property
     def values(self) -> np.ndarray:
         """All parameter values."""
-        return self.extended.values(self.coordinates)
+        return self.extended.layout.values(self.coordinates)
 
     @property
     def records(self) -> list[slice]:
@@ -107,7 +107,7 @@ def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> 
 
 def at_bounds(extended: ExtendedSimulation, coordinates: np.ndarray) -> np.ndarray:
     """Return which of the free coordinates (k,) are at a bound, shape (k,)."""
-    low, high = extended.bounds
+    low, high = extended.layout.bounds
     there: np.ndarray = (coordinates <= low + CLOSE) | (coordinates >= high - CLOSE)
     return there
 
@@ -116,8 +116,8 @@ def at_prior_bounds(fitted: Fit) -> list[str]:
     """Return the simulation's own parameters that are at a bound of their priors."""
     extended = fitted.extended
     own = len(extended.simulation.parameters)
-    bound = extended.free[at_bounds(extended, fitted.coordinates)]
-    return [extended.names[i] for i in bound if i < own]
+    bound = extended.layout.free[at_bounds(extended, fitted.coordinates)]
+    return [extended.layout.names[i] for i in bound if i < own]
 
 
 def outside_priors(freed: Fit, declared: ExtendedSimulation) -> np.ndarray:
@@ -125,16 +125,16 @@ def outside_priors(freed: Fit, declared: ExtendedSimulation) -> np.ndarray:
 
     ``freed`` is a fit of the same simulation within wider ones.
     """
-    low, high = declared.bounds
-    asked = declared.coordinates(freed.values)
-    own = declared.free < len(declared.simulation.parameters)
+    low, high = declared.layout.bounds
+    asked = declared.layout.coordinates(freed.values)
+    own = declared.layout.free < len(declared.simulation.parameters)
     outside: np.ndarray = own & ((asked < low) | (asked > high))
     return outside
 
 
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
     """Return the simulation at ``coordinates``, with its Jacobian, without fitting it."""
-    residual = problem.residual(extended, extended.values(coordinates))
+    residual = problem.residual(extended, extended.layout.values(coordinates))
     J = np.zeros((problem.size, coordinates.size))
     if np.isfinite(residual).all():
         J = sensitivities(problem, extended, coordinates, residual, np.arange(coordinates.size))
@@ -144,8 +144,8 @@ def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) 
 def without(problem: Problem, fitted: Fit, index: int) -> Fit:
     """Return a fitted simulation without one of its effects, all else unchanged."""
     extended = fitted.extended.without(index)
-    kept = np.delete(fitted.values, np.r_[fitted.extended.effect_slices[index]])
-    return at(problem, extended, extended.coordinates(kept))
+    kept = np.delete(fitted.values, np.r_[fitted.extended.layout.effect_slices[index]])
+    return at(problem, extended, extended.layout.coordinates(kept))
 
 
 def fit(
@@ -172,7 +172,7 @@ class _FreeRun:
 
     def __init__(self, problem: Problem, extended: ExtendedSimulation, columns: Columns) -> None:
         self._problem, self._extended, self._columns = problem, extended, columns
-        self._low, self._high = extended.bounds
+        self._low, self._high = extended.layout.bounds
         size = self._low.size
         self._free = np.ones(size, bool) if columns.held is None else ~columns.held
         self.jacobian = np.zeros((problem.size, size))
@@ -182,7 +182,7 @@ class _FreeRun:
 
     def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
         coordinates = np.clip(x, self._low, self._high)
-        residual = self._problem.residual(self._extended, self._extended.values(coordinates))
+        residual = self._problem.residual(self._extended, self._extended.layout.values(coordinates))
         return Point(coordinates, cost_of(residual, coordinates, self._problem), residual)
 
     def linearise(self, point: Point[np.ndarray], iteration: int, exact: bool) -> Model | None:

@@ -24,17 +24,17 @@ def sensitivities(
     ``residual`` (n,) is that at ``coordinates``. A coordinate in whose direction the simulation
     diverges has a derivative of zero, so that no step is made in it.
     """
-    _, high = extended.bounds
-    values = extended.values(coordinates)
+    _, high = extended.layout.bounds
+    values = extended.layout.values(coordinates)
     shaped = extended.shaped(values, problem.u, problem.interval) if which.size else None
-    reading = extended.only_read
+    reading = extended.layout.only_read
     here = problem.moved(extended, values, shaped) if reading[which].any() else None
 
     def derivative(i: int) -> np.ndarray:
         moved = coordinates.copy()
         step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
         moved[i] += step
-        there = extended.values(moved)
+        there = extended.layout.values(moved)
         output = here if reading[i] else problem.moved(extended, there, shaped)
         change = problem.residual(extended, there, output) - residual
         return change / step if np.isfinite(change).all() else np.zeros_like(change)

@@ -178,7 +178,7 @@ def _split_each(records: Sequence[Samples], slowest: float, warm_up: float) -> l
 
 def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
     """Refuse a simulation whose output grows far beyond what was measured, or ignores a drive."""
-    nominal = extended.values(np.zeros(extended.free.size))
+    nominal = extended.layout.prior_means
     y = extended.simulate(nominal, record.u, record.interval)
     reached, measured = np.abs(y - y[0]), float(np.ptp(record.y))
     if reached.max() > _FAR * measured:
@@ -195,7 +195,7 @@ def _require_driven(extended: ExtendedSimulation, record: Samples) -> None:
     moving = [k for k, u in enumerate(by_input(record.u)) if np.ptp(u)]
     driven = [own.drives[own.drive_of(k)] for k in moving]
     for name in dict.fromkeys(driven):
-        scaled, at = nominal.copy(), extended.names.index(name)
+        scaled, at = nominal.copy(), extended.layout.names.index(name)
         scaled[at] *= _SCALED
         alike = np.array_equal(extended.simulate(scaled, record.u, record.interval), y)
         if alike and nominal[at]:

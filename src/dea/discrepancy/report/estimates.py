@@ -23,17 +23,17 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
     deviation of all coordinates.
     """
     extended = fit.extended
-    where = extended.effect_slices[index]
+    where = extended.layout.effect_slices[index]
     parameters = extended.attached[index].parameters
     defining = extended.attached[index].effect.defining
     values = fit.values
-    own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
+    own = [k for k, i in enumerate(extended.layout.free) if where.start <= i < where.stop]
     bound = at_bounds(extended, fit.coordinates)
     found = []
     for position in own:
-        i = extended.free[position]
+        i = extended.layout.free[position]
         parameter = parameters[i - where.start]
-        origin, unit, units = extended.own_unit(extended.attached[index], parameter)
+        origin, unit, units = extended.places.own_unit(extended.attached[index], parameter)
         at, error = float(fit.coordinates[position]), float(deviation[position])
         value, prior, *ends = (
             origin + unit * each
@@ -49,7 +49,11 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
             at_bound=bool(bound[position]),
             moved=abs(at) / error,
         )
-        turn = (parameter.name != defining, bool(extended.at_start[position]), -estimate.moved)
+        turn = (
+            parameter.name != defining,
+            bool(extended.layout.at_start[position]),
+            -estimate.moved,
+        )
         found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
 
@@ -61,20 +65,20 @@ def quantities(fit: Fit, index: int, covariance: np.ndarray) -> dict[str, Estima
     (k, k), within their bounds.
     """
     extended = fit.extended
-    attached, where = extended.attached[index], extended.effect_slices[index]
+    attached, where = extended.attached[index], extended.layout.effect_slices[index]
     parameters = {each.name: each for each in attached.parameters}
     variances, axes = np.linalg.eigh(covariance)
     root = axes * np.sqrt(np.maximum(variances, 0.0))
     normal = np.random.default_rng(0).standard_normal((_DRAWS, variances.size))
-    drawn = np.clip(fit.coordinates + normal @ root.T, *extended.bounds)
+    drawn = np.clip(fit.coordinates + normal @ root.T, *extended.layout.bounds)
 
     def values(coordinates: np.ndarray) -> np.ndarray:
-        found: np.ndarray = extended.values(coordinates)[where]
+        found: np.ndarray = extended.layout.values(coordinates)[where]
         return found
 
     result = {}
     for quantity in attached.effect.quantities:
-        origin, unit, units = extended.own_unit(attached, parameters[quantity.like])
+        origin, unit, units = extended.places.own_unit(attached, parameters[quantity.like])
         value, prior, *others = (
             origin + unit * quantity.of(values(each), attached.scales)
             for each in (fit.coordinates, np.zeros_like(fit.coordinates), *drawn)
@@ -95,8 +99,8 @@ def estimates_beyond_priors(found: Findings) -> dict[str, Estimate]:
     result = {}
     bound = at_bounds(freed.extended, freed.coordinates)
     for position in np.flatnonzero(outside_priors(freed, declared)):
-        i = declared.free[position]
-        parameter = freed.extended.parameters[i]
+        i = declared.layout.free[position]
+        parameter = freed.extended.layout.parameters[i]
         at, error = float(freed.coordinates[position]), float(found.freed_deviation[position])
         prior, *ends = _prior_and_ends(parameter, at, error)
         result[parameter.name] = Estimate(

@@ -34,7 +34,7 @@ def common_lag(
     places = [_place(extended, attached)]
     for rival, index in zip(rivals, others, strict=True):
         extended = rival.fit.extended
-        attached, part = extended.attached[index], extended.effect_slices[index]
+        attached, part = extended.attached[index], extended.layout.effect_slices[index]
         law = {each.name: each for each in attached.parameters}
         if _unit_of(attached.effect.defining, law) != _TIME:
             return ""
@@ -59,7 +59,7 @@ def _place(extended: ExtendedSimulation, attached: Attached) -> str:
     """Return where an effect acts, in words; of several inputs at which one."""
     if attached.effect.port is Port.OUTPUT:
         return "the sensor"
-    at = extended.input_of(attached)
+    at = extended.places.input_of(attached)
     return f"the input {at.name.replace('_', ' ')}" if at else "the input"
 
 

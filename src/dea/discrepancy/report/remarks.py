@@ -58,7 +58,7 @@ def _timing(found: Findings) -> str:
     if found.decision.status not in (Status.NAMED, Status.NONE):
         # An effect that is missing may look like a time offset.
         return ""
-    names = [fitted.extended.names[i] for i in fitted.extended.free]
+    names = [fitted.extended.layout.names[i] for i in fitted.extended.layout.free]
     if TIMING_OFFSET not in names:
         return ""
     at = names.index(TIMING_OFFSET)
@@ -88,8 +88,8 @@ def _inexact(found: Findings) -> bool:
     """
     fitted, most = found.final, found.rules.clean * found.stated_floor
     left = found.certificate.block.after, found.problem.seen_rmse(found.extended.residual)
-    laws = [part.start for part in fitted.extended.effect_slices]
-    of_law = fitted.extended.free >= min(laws, default=np.inf)
+    laws = [part.start for part in fitted.extended.layout.effect_slices]
+    of_law = fitted.extended.layout.free >= min(laws, default=np.inf)
     bound = at_bounds(fitted.extended, fitted.coordinates) & (np.abs(fitted.coordinates) > CLOSE)
     return max(left) > most or bool((bound & of_law).any())
 

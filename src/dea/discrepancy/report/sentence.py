@@ -112,7 +112,7 @@ def _finding(found: Findings, effects: Sequence[NamedEffect]) -> str:
         )
     extended = found.extended.extended
     laws = " and ".join(
-        f"{label_in_words(extended.label(attached))} ({_main(effect)})"
+        f"{label_in_words(extended.places.label(attached))} ({_main(effect)})"
         for effect, attached in zip(effects, extended.attached, strict=True)
     )
     rivals = " or ".join(rivals_in_words(found))

@@ -15,5 +15,5 @@ def save_simulation(found: Findings, fit: Fit, path: str | Path) -> None:
     InputError
         As :func:`dea.simulation.save_extended`.
     """
-    values = fit.extended.of_record(fit.values, 0)
+    values = fit.extended.layout.of_record(fit.values, 0)
     save_extended(fit.extended.alone, values, found.problem.recorded_interval, path)

@@ -83,7 +83,7 @@ def _effects(found: Findings) -> tuple[NamedEffect, ...]:
     for index, (attached, part, part_removed) in enumerate(
         zip(extended.attached, found.ladder.contributions, _shares(found), strict=True)
     ):
-        place = extended.force_port_of(attached) or extended.input_of(attached)
+        place = extended.places.force_port_of(attached) or extended.places.input_of(attached)
         parameters = estimates(found.final, index, found.uncertainty.deviation)
         result.append(
             NamedEffect(
@@ -94,7 +94,7 @@ def _effects(found: Findings) -> tuple[NamedEffect, ...]:
                 error_before=part.before,
                 error_after=part.after,
                 gain=(part.gain, part.low, part.high),
-                presence=found.presence.effects.get(extended.name_of(attached), 0.0),
+                presence=found.presence.effects.get(extended.places.name_of(attached), 0.0),
                 rivals=rivals,
                 place=place.name if place else None,
                 share=part_removed,

@@ -148,20 +148,23 @@ def _is_from_the_start(
     start on may be poorer than what an event adds in the state at the start.
     """
     extended = candidate.fit.extended
-    instants = extended.instants
+    instants = extended.layout.instants
     if not instants.any():
         return False
-    soonest = np.where(instants, extended.bounds[0], candidate.fit.coordinates)
-    earliest, own = extended.values(soonest), extended.values(candidate.fit.coordinates)
+    soonest = np.where(instants, extended.layout.bounds[0], candidate.fit.coordinates)
+    earliest, own = (
+        extended.layout.values(soonest),
+        extended.layout.values(candidate.fit.coordinates),
+    )
     moved = problem.seen_rmse(problem.residual(extended, earliest))
     # Most events have a date, and are far off without it.
     if not moved <= rules.near * candidate.rmse:
         return False
     shortest = min(each.stop - each.start for each in problem.records) * problem.interval
-    if ((own - earliest)[extended.free[instants]] < LONGEST_WARM_UP * shortest).all():
+    if ((own - earliest)[extended.layout.free[instants]] < LONGEST_WARM_UP * shortest).all():
         return True
     # How long it took, or was held, stays: else it could end where the event began.
-    held = Columns(held=extended.events)
+    held = Columns(held=extended.layout.events)
     again = fit(problem, extended, soonest, iterations=_STEPS, columns=held)
     return _explains_as_much(judged(problem, again), candidate, rules, noise_floor)
 
@@ -182,12 +185,12 @@ def _without_essential(problem: Problem, found: Fit, index: int) -> Fit:
     attached = list(found.extended.attached)
     law = attached[index] = replace(attached[index], effect=attached[index].effect.at_limit())
     limit = replace(found.extended, attached=tuple(attached))
-    own = limit.effect_slices[index]
-    columns = Columns(slow=int(np.sum(limit.free < own.start)))
-    start = limit.coordinates(found.values)
+    own = limit.layout.effect_slices[index]
+    columns = Columns(slow=int(np.sum(limit.layout.free < own.start)))
+    start = limit.layout.coordinates(found.values)
     again = fit(problem, limit, start, iterations=_STEPS, columns=columns)
     if not again.stable:
         values = found.values.copy()
         values[own] = [parameter.nominal for parameter in law.parameters]
-        again = fit(problem, limit, limit.coordinates(values), iterations=_STEPS)
+        again = fit(problem, limit, limit.layout.coordinates(values), iterations=_STEPS)
     return again

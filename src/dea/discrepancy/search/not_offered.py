@@ -47,7 +47,7 @@ class NotOffered:
         named: Sequence[str] = ()
         if effect.force is not None:
             named = [port.name for port in own.force_ports]
-        elif effect.on_input and extended.places(effect) > 1:
+        elif effect.on_input and extended.places.number_for(effect) > 1:
             named = [each.name for each in own.inputs]
         where = named[place] if len(named) > 1 else None
         return cls(effect.name, str(effect.port), where, reason)
@@ -63,7 +63,7 @@ def places(
 ) -> tuple[list[int], list[NotOffered]]:
     """Return the force ports, or inputs, at which an effect can act, and where it cannot."""
     if effect.force is None:
-        count = extended.places(effect)
+        count = extended.places.number_for(effect)
         obstacles = (
             {k: Obstacle.STILL for k, u in enumerate(by_input(problem.u)) if np.ptp(u) == 0.0}
             if count > 1
@@ -74,7 +74,7 @@ def places(
         if not ports:
             return [], [NotOffered.at(extended, effect, 0, Obstacle.NO_PORT)]
         count = len(ports)
-        closed = set(range(count)).difference(extended.ports_for(effect))
+        closed = set(range(count)).difference(extended.places.ports_for(effect))
         obstacles = dict.fromkeys(sorted(closed), Obstacle.NO_POSITION)
     free = [place for place in range(count) if place not in obstacles]
     return free, [NotOffered.at(extended, effect, *each) for each in obstacles.items()]

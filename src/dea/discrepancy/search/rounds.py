@@ -115,7 +115,7 @@ class _Extending:
         self, attempt: Callable[[Item], Result], items: Sequence[Item], step: str
     ) -> list[Result]:
         extended = self._before.extended
-        beside = " and ".join(map(extended.label, extended.attached)) or "the simulation"
+        beside = " and ".join(map(extended.places.label, extended.attached)) or "the simulation"
         return in_parallel(attempt, items, self.workers, f"{step} beside {beside}")
 
     def screened(self, effects: Sequence[Effect]) -> tuple[list[list[Fit]], list[NotOffered]]:
@@ -150,7 +150,7 @@ class _Extending:
         stable: dict[str, list[Fit]] = {}
         for fits in self._ranked([*further, *(fits[: self._kept] for fits in ahead[count:])]):
             # An effect may be offered upstream and downstream of another; the better place goes on.
-            stable.setdefault(fits[0].extended.label(fits[0].extended.attached[-1]), fits)
+            stable.setdefault(fits[0].extended.places.label(fits[0].extended.attached[-1]), fits)
         return list(stable.values()), skipped
 
     def _ranked(self, each: Sequence[list[Fit]]) -> list[list[Fit]]:
@@ -204,7 +204,7 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     has been fitted from enough starts already.
     """
     best = fitted_again(problem, fitted, budget)
-    own = fitted.extended.of_laws
+    own = fitted.extended.layout.of_laws
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
         level = problem.white_level(best.residual)
@@ -220,7 +220,7 @@ def with_shapes_anew(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
 
     They may have adapted to an effect in the wrong place, or to the lack of another one.
     """
-    shapes = fitted.extended.shapes
+    shapes = fitted.extended.layout.shapes
     placed = fit(
         problem,
         fitted.extended,
@@ -238,7 +238,7 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     A further effect is better attached to the fit made before this one: in this fit the first
     effect, the best by itself, may have taken over part of what the further one explains.
     """
-    start = np.where(fitted.extended.of_laws, fitted.coordinates, 0.0)
+    start = np.where(fitted.extended.layout.of_laws, fitted.coordinates, 0.0)
     return fitted_again(problem, replace(fitted, coordinates=start), budget)
 
 

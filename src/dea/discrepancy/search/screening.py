@@ -56,7 +56,7 @@ class Base:
         """Return that of a simulation with one law more, all else being as in this fit, (n,)."""
         added = extended.attached[len(self.fit.extended.attached) :]
         output = self.output if all(a.effect.only_reads for a in added) else None
-        return problem.residual(extended, extended.values(coordinates), output)
+        return problem.residual(extended, extended.layout.values(coordinates), output)
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) 
 
 
 def _promised(problem: Problem, base: Base, extended: ExtendedSimulation, law: np.ndarray) -> Start:
-    placed = extended.coordinates(np.concatenate([base.fit.values, law]))
+    placed = extended.layout.coordinates(np.concatenate([base.fit.values, law]))
     residual = base.residual(problem, extended, placed)
     explained = -1.0
     if np.isfinite(residual).all():
@@ -143,7 +143,7 @@ def first_steps(
     """
 
     def fitted(start: Start) -> Fit:
-        columns = Columns(held=start.extended.shapes, kept=start.base.fit.jacobian)
+        columns = Columns(held=start.extended.layout.shapes, kept=start.base.fit.jacobian)
         return fit(problem, start.extended, start.coordinates, iterations=steps, columns=columns)
 
     def error(candidate: Fit) -> float:
@@ -163,7 +163,7 @@ def further_steps(problem: Problem, found: Sequence[Fit], kept: int, steps: int)
     Those found are returned where every one runs away.
     """
     again = [
-        refine(problem, each, steps, each.extended.shapes)
+        refine(problem, each, steps, each.extended.layout.shapes)
         for each in found[: min(kept, _USED + _MORE)]
     ]
     stable = [each for each in again if each.stable]
@@ -180,10 +180,10 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
     extended = offer.attached_to(base)
     law = extended.attached[-1]
     first = base.fit.coordinates.size
-    low, high = extended.bounds
+    low, high = extended.layout.bounds
     seen, noise = problem.seen, problem.noise
     for start in offer.effect.starts(law.scales):
-        placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+        placed = extended.layout.coordinates(np.concatenate([base.fit.values, law.started(start)]))
         own = range(first, placed.size)
         means = [(i, 0.0) for i in own if placed[i]]
         ends = [(i, end) for i in own for end in (max(low[i], -_FAR), min(high[i], _FAR))]
@@ -211,8 +211,8 @@ def refine(
     tolerance: float = 1e-4,
 ) -> Fit:
     """Continue a screened fit with a Jacobian of all parameters, or of all that are not held."""
-    own = screened.extended.effect_slices[-1]
-    known = int(np.sum(screened.extended.free < own.start))
+    own = screened.extended.layout.effect_slices[-1]
+    known = int(np.sum(screened.extended.layout.free < own.start))
     return fit(
         problem,
         screened.extended,

@@ -31,7 +31,7 @@ def fit_nominal(
     InputError
         If the simulation is unstable wherever it is started from.
     """
-    size = extended.free.size
+    size = extended.layout.free.size
     starts = [np.zeros(size), *(_NEARER * rng.standard_normal((count - 1, size)))]
     fits = in_parallel(
         lambda start: fit(problem, extended, start, iterations=_ITERATIONS), starts, workers
