@@ -5,16 +5,16 @@ import pytest
 from films import nominal
 from scipy.integrate import solve_ivp
 
-from dea.plant import forces
 from dea.plant.drive import Drive, turn
 from dea.plant.film import GRAVITY, STIFFNESS, SUBSTEP, Y, move
+from dea.plant.force_laws.friction import LORENTZIAN, STRIBECK
 from dea.plant.forces import ForceLaw, stack
 
 # Sliding and static force, Stribeck speed, speed of regularisation: in shares of the largest force
 # that the spring changes by, and of the speed of the motion.
 SHARES = {
-    "stribeck": (forces.STRIBECK, (0.1, 0.15, 0.3, 0.003)),
-    "lorentzian": (forces.LORENTZIAN, (0.2, 0.25, 0.5, 0.03)),
+    "stribeck": (STRIBECK, (0.1, 0.15, 0.3, 0.003)),
+    "lorentzian": (LORENTZIAN, (0.2, 0.25, 0.5, 0.03)),
 }
 
 

@@ -391,7 +391,7 @@ def test_contacts_age_at_rest_and_are_renewed_by_slip():
     speeds = np.repeat([0.0, 2.0, 0.0, -0.5, 0.1], 400)
     found = []
     for v in speeds:
-        carry_age(constants, memory, v, dt)
+        carry_age(constants, memory, 0.0, v, dt)
         found.append(memory[0])
     age = np.zeros(1)
     expected = []
@@ -400,6 +400,6 @@ def test_contacts_age_at_rest_and_are_renewed_by_slip():
         expected.append(age[0])
     np.testing.assert_allclose(found, expected, atol=2e-3)
     # Friction after a long rest over that of new contacts: 1 + 0.1 log(1 + a/0.2).
-    rested = ageing_friction(constants, np.array([4.0]), 10.0)
-    fresh = ageing_friction(constants, np.zeros(1), 10.0)
+    rested = ageing_friction(constants, np.array([4.0]), 0.0, 10.0)
+    fresh = ageing_friction(constants, np.zeros(1), 0.0, 10.0)
     assert rested / fresh == pytest.approx(1.0 + 0.1 * np.log(21.0))

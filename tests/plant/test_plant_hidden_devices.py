@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dea.plant import forces
 from dea.plant.chamber import Chamber
 from dea.plant.drive import Drive
 from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
+from dea.plant.force_laws.in_time import FORCE_COURSE, STIFFNESS_COURSE
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.devices import DEVICES, PlainChamber, PlainDrive
 
 ROOT = Path(__file__).parents[2]
 BENCH = ROOT / "config" / "bench.yaml"
-SPRING, PUSH = forces.STIFFNESS_COURSE, forces.FORCE_COURSE
+SPRING, PUSH = STIFFNESS_COURSE, FORCE_COURSE
 
 
 def settled(plain, command, seconds, laws=()):

@@ -1,1 +1,4 @@
-"""The laws of :mod:`dea.plant.forces`: constants c, memory m, place y and velocity v."""
+"""Force laws by family: beside the kernels of each law, its :class:`~.kind.Kind`.
+
+In a kernel c are the constants, m the memory, y the place and v the velocity.
+"""

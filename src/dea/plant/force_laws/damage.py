@@ -1,4 +1,4 @@
-"""Shares of the stiffness that are lost: with reversals, with the largest strain, with work."""
+"""Forces of a spring c[0] of which shares are lost: by cycles, strain or work."""
 
 import math
 
@@ -6,12 +6,14 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kernels import lost_force
+from dea.plant.force_laws.kind import Kind
 
 POWER, LOGARITHM, SATURATING, STAGES, WEIBULL, PHASES = range(6)
 
 
 @njit(cache=True, error_model="numpy")
-def count_reversals(c: Array, m: Array, y: float) -> None:
+def count_reversals(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Count half cycles: swings longer than c[4], each as its share of the swing c[5].
 
     m: cycles, extreme of the present swing, its start, direction.
@@ -26,8 +28,8 @@ def count_reversals(c: Array, m: Array, y: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def cycle_damage(c: Array, m: Array) -> float:
-    """Return the share lost after m[0] cycles; c[1] is the share lost after c[2] cycles.
+def cycle_damage_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost after m[0] cycles, of the stiffness a share c[1] after c[2] cycles.
 
     c[6] is the shape: POWER, c[3] of the cycles (O. H. Basquin, Proc. ASTM 10 (1910) 625);
     LOGARITHM; SATURATING, exponentially with c[3] time constants in c[2] cycles (J. Lemaitre and
@@ -52,48 +54,67 @@ def cycle_damage(c: Array, m: Array) -> float:
     elif c[6] == PHASES:
         first, second = min(cycles, c[3]) / c[3], max(cycles - c[3], 0.0) / (1.0 - c[3])
         lost = c[7] * first + (1.0 - c[7]) * second
-    value: float = min(c[1] * lost, 0.9)
-    return value
+    return lost_force(c, y, min(c[1] * lost, 0.9))
+
+
+CYCLES = Kind(cycle_damage_force, count_reversals)
 
 
 @njit(cache=True, error_model="numpy")
-def pseudo_elastic_loss(c: Array, m: Array, y: float) -> float:
-    """Return 1 - η of the Mullins effect: c[1] erf((W_max - W)/(c[2] + c[3] W_max)).
+def pseudo_elastic_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what the Mullins effect takes.
 
-    R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. A 455 (1999) 2861; W = c[0] y²/2.
+    A share 1 - η = c[1] erf((W_max - W)/(c[2] + c[3] W_max)), W = c[0] y²/2: R. W. Ogden and D. G.
+    Roxburgh, Proc. R. Soc. A 455 (1999) 2861.
     """
     work = 0.5 * c[0] * y * y
     most = max(m[0], work)
-    value: float = c[1] * math.erf((most - work) / (c[2] + c[3] * most))
-    return value
+    return lost_force(c, y, c[1] * math.erf((most - work) / (c[2] + c[3] * most)))
 
 
 @njit(cache=True, error_model="numpy")
-def work_damage(c: Array, m: Array) -> float:
-    """Return c[1] W/(W + c[2]) with the accumulated work W = m[0].
+def carry_largest_energy(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry the largest energy of a spring c[0] so far."""
+    m[0] = max(m[0], 0.5 * c[0] * y * y)
+
+
+PSEUDO_ELASTIC = Kind(pseudo_elastic_force, carry_largest_energy)
+
+
+@njit(cache=True, error_model="numpy")
+def work_damage_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost with the accumulated work W = m[0], a share c[1] W/(W + c[2]).
 
     Damage driven by work: J. Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83.
     """
-    value: float = c[1] * m[0] / (m[0] + c[2])
-    return value
+    return lost_force(c, y, c[1] * m[0] / (m[0] + c[2]))
 
 
 @njit(cache=True, error_model="numpy")
-def carry_swings(c: Array, m: Array, y: float, least: float) -> None:
+def carry_work(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry the work on a spring c[0] without force at c[3], in either direction."""
+    m[0] += c[0] * abs((y - c[3]) * v) * dt
+
+
+WORK = Kind(work_damage_force, carry_work)
+
+
+@njit(cache=True, error_model="numpy")
+def _count_swings(c: Array, m: Array, y: float, least: float) -> None:
     """Count half cycles in m[4], each as its share of the swing c[5] to the power c[6].
 
     Swings of a share up to ``least`` are not counted.
     """
     before = m[0]
-    count_reversals(c, m, y)
+    count_reversals(c, m, y, 0.0, 0.0)
     share = 2.0 * (m[0] - before)
     if share > least:
         m[4] += 0.5 * share ** c[6]
 
 
 @njit(cache=True, error_model="numpy")
-def crack_loss(c: Array, m: Array) -> float:
-    """Return the share lost to a crack, c[1] when it is c[3] times as long, after c[2] cycles.
+def crack_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost to a crack, a share c[1] when c[3] times as long, after c[2] cycles.
 
     P. Paris and F. Erdogan, J. Basic Eng. 85 (1963) 528: da/dN is a power c[6] of the swing and
     the root of the length a, so that a^-q falls in a straight line, q = c[6]/2 - 1. After c[2]
@@ -103,19 +124,38 @@ def crack_loss(c: Array, m: Array) -> float:
     cycles, fall = m[4] / c[2], 1.0 - c[3] ** -q
     length: float = (1.0 - fall * min(cycles, 1.0)) ** (-1.0 / q)
     length += max(cycles - 1.0, 0.0) * fall / q * c[3] ** (1.0 + q)
-    value: float = min(c[1] * (length - 1.0) / (c[3] - 1.0), 0.9)
-    return value
+    return lost_force(c, y, min(c[1] * (length - 1.0) / (c[3] - 1.0), 0.9))
 
 
 @njit(cache=True, error_model="numpy")
-def miner_loss(c: Array, m: Array) -> float:
-    """Return the share lost, c[1] after c[2] cycles: M. A. Miner, J. Appl. Mech. 12 (1945) A159."""
-    value: float = min(c[1] * m[4] / c[2], 0.9)
-    return value
+def carry_crack(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Count half cycles."""
+    _count_swings(c, m, y, 0.0)
+
+
+CRACK = Kind(crack_force, carry_crack)
 
 
 @njit(cache=True, error_model="numpy")
-def carry_strain_work(c: Array, m: Array, y: float) -> None:
+def miner_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost, a share c[1] after c[2] cycles.
+
+    M. A. Miner, J. Appl. Mech. 12 (1945) A159.
+    """
+    return lost_force(c, y, min(c[1] * m[4] / c[2], 0.9))
+
+
+@njit(cache=True, error_model="numpy")
+def carry_miner(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Count half cycles above a share c[3]."""
+    _count_swings(c, m, y, c[3])
+
+
+MINER = Kind(miner_force, carry_miner)
+
+
+@njit(cache=True, error_model="numpy")
+def carry_strain_work(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the largest energy of a spring c[0] so far, and the sum of all its changes.
 
     c[5]: place without force; m: largest, sum and latest energy.
@@ -125,18 +165,20 @@ def carry_strain_work(c: Array, m: Array, y: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def two_damages(c: Array, m: Array) -> float:
-    """Return the share lost, c[1] with the largest energy and c[3] with the sum of its changes.
+def two_damages_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost, shares c[1] with the largest energy and c[3] with all its changes.
 
     C. Miehe, Eur. J. Mech. A/Solids 14 (1995) 697: either is an exponential, over c[2] and c[4].
     """
     lost = -c[1] * np.expm1(-m[0] / c[2]) - c[3] * np.expm1(-m[1] / c[4])
-    value: float = min(lost, 0.9)
-    return value
+    return lost_force(c, y, min(lost, 0.9))
+
+
+TWO_DAMAGES = Kind(two_damages_force, carry_strain_work)
 
 
 @njit(cache=True, error_model="numpy")
-def carry_filler(c: Array, m: Array, v: float, dt: float) -> None:
+def carry_filler(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the share m[0] of contacts that a path c[2] breaks, and that join again in c[3] s.
 
     G. Kraus, J. Appl. Polym. Sci. Appl. Polym. Symp. 39 (1984) 75; exactly at a held speed.
@@ -147,7 +189,9 @@ def carry_filler(c: Array, m: Array, v: float, dt: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def filler_loss(c: Array, m: Array) -> float:
-    """Return the share of the stiffness lost, c[1] where every contact is broken."""
-    value: float = min(c[1] * m[0], 0.9)
-    return value
+def filler_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what is lost, a share c[1] where every contact is broken."""
+    return lost_force(c, y, min(c[1] * m[0], 0.9))
+
+
+FILLER = Kind(filler_force, carry_filler)

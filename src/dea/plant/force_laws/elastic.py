@@ -6,18 +6,22 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kind import Kind
 
 
 @njit(cache=True, error_model="numpy")
-def fung_force(c: Array, y: float) -> float:
+def fung_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return c[0] (exp(x) - 1 - x), x = (y - c[2])/c[1]: Y. C. Fung, Biomechanics, 1981."""
     x = (y - c[2]) / c[1]
     force: float = c[0] * (np.exp(x) - 1.0 - x)
     return force
 
 
+FUNG = Kind(fung_force)
+
+
 @njit(cache=True, error_model="numpy")
-def gent_force(c: Array, y: float) -> float:
+def gent_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return what limited chains add to a spring: c[0] d (1/(1 - (d/c[1])²) - 1).
 
     d = y - c[2] > 0. A. N. Gent, Rubber Chem. Technol. 69 (1996) 59.
@@ -33,8 +37,11 @@ def gent_force(c: Array, y: float) -> float:
     return value
 
 
+GENT = Kind(gent_force)
+
+
 @njit(cache=True, error_model="numpy")
-def chain_force(c: Array, y: float) -> float:
+def chain_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return what a freely jointed chain adds to its own initial stiffness c[0].
 
     The inverse Langevin function in Cohen's approximation x (3 - x²)/(1 - x²), less 3x, with
@@ -46,24 +53,33 @@ def chain_force(c: Array, y: float) -> float:
     return force
 
 
+CHAIN = Kind(chain_force)
+
+
 @njit(cache=True, error_model="numpy")
-def power_force(c: Array, y: float) -> float:
+def power_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return c[0] d^c[1] for d = (y - c[2])/c[3] > 0: one term of R. W. Ogden's series (1972)."""
     d = max(y - c[2], 0.0) / c[3]
     force: float = c[0] * d ** c[1]
     return force
 
 
+POWER = Kind(power_force)
+
+
 @njit(cache=True, error_model="numpy")
-def snap_force(c: Array, y: float) -> float:
+def snap_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a buckled strip, unstable at its middle c[1], of width c[2]."""
     place = (y - c[1]) / c[2]
     force: float = -c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
     return force
 
 
+SNAP_THROUGH = Kind(snap_force)
+
+
 @njit(cache=True, error_model="numpy")
-def demiray_force(c: Array, y: float) -> float:
+def demiray_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return c[0] x (exp(x²) - 1) for x = (y - c[2])/c[1] > 0.
 
     H. Demiray, J. Biomech. 5 (1972) 309: an energy exponential in the squared stretch, here less
@@ -74,8 +90,11 @@ def demiray_force(c: Array, y: float) -> float:
     return force
 
 
+DEMIRAY = Kind(demiray_force)
+
+
 @njit(cache=True, error_model="numpy")
-def fibre_force(c: Array, y: float) -> float:
+def fibre_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of fibres c[0] that become taut one after the other.
 
     Y. Lanir, J. Biomech. 16 (1983) 1. The places where they do have the mean c[1] and the standard
@@ -87,8 +106,11 @@ def fibre_force(c: Array, y: float) -> float:
     return force
 
 
+FIBRES = Kind(fibre_force)
+
+
 @njit(cache=True, error_model="numpy")
-def cable_force(c: Array, y: float) -> float:
+def cable_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the pull of cables across the motion, straight and without tension at place c[2].
 
     c[0] d (1 - h/√(d² + h²)), d = y - c[2] > 0, h = c[1] the half span: H. M. Irvine, Cable
@@ -99,8 +121,11 @@ def cable_force(c: Array, y: float) -> float:
     return force
 
 
+CABLES = Kind(cable_force)
+
+
 @njit(cache=True, error_model="numpy")
-def toe_force(c: Array, y: float) -> float:
+def toe_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return c[0] (exp(d/c[1]) - 1) for d = y - c[2] > 0, and its tangent beyond d = c[3].
 
     J. A. Weiss et al., Comput. Methods Appl. Mech. Eng. 135 (1996) 107.
@@ -112,8 +137,11 @@ def toe_force(c: Array, y: float) -> float:
     return force
 
 
+TOE = Kind(toe_force)
+
+
 @njit(cache=True, error_model="numpy")
-def conical_force(c: Array, y: float) -> float:
+def conical_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return what solid coils add to the force of a conical spring, wound from 1 down to c[3].
 
     E. Rodriguez et al., J. Mech. Des. 128 (2006) 1352. With the force c[0] at which the widest coil
@@ -134,8 +162,11 @@ def conical_force(c: Array, y: float) -> float:
     return force
 
 
+CONICAL = Kind(conical_force)
+
+
 @njit(cache=True, error_model="numpy")
-def guided_force(c: Array, y: float) -> float:
+def guided_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return what a curved guide adds to a leaf spring that lays itself against it.
 
     J. P. Den Hartog, Mechanical Vibrations, 1956. At the place c[2] the leaf, deflected by c[1],
@@ -150,8 +181,11 @@ def guided_force(c: Array, y: float) -> float:
     return force
 
 
+GUIDED = Kind(guided_force)
+
+
 @njit(cache=True, error_model="numpy")
-def nested_force(c: Array, y: float) -> float:
+def nested_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of three springs c[0] from the places c[1:4] on: A. M. Wahl, 1963."""
     force = 0.0
     for i in range(1, 4):
@@ -159,8 +193,11 @@ def nested_force(c: Array, y: float) -> float:
     return force
 
 
+NESTED = Kind(nested_force)
+
+
 @njit(cache=True, error_model="numpy")
-def worm_force(c: Array, y: float) -> float:
+def worm_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return c[0] (1/(1 - x)² - 1 - 2x) for x = (y - c[2])/c[1] > 0, and a line beyond 0.95.
 
     J. F. Marko and E. D. Siggia, Macromolecules 28 (1995) 8759: four times the interpolated force
@@ -173,3 +210,6 @@ def worm_force(c: Array, y: float) -> float:
         left * left - 1.0 - 2.0 * inside + (x - inside) * 2.0 * (left * left * left - 1.0)
     )
     return force
+
+
+WORM = Kind(worm_force)

@@ -4,10 +4,12 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kernels import remembered_force
+from dea.plant.force_laws.kind import Kind
 
 
 @njit(cache=True, error_model="numpy")
-def masing_force(c: Array, m: Array, y: float) -> float:
+def masing_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force by Masing's rule, from the reversals in memory.
 
     m[0] is the number of reversals; they follow it, the start of the motion first.
@@ -64,7 +66,7 @@ def _slipping_joint(x: float, power: float, share: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def preisach_force(c: Array, m: Array, y: float) -> float:
+def preisach_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of Preisach's model with the same memory of reversals.
 
     A density that is a product of Lorentzians has the Everett function (Φ(a) - Φ(b))²/2 with Φ the
@@ -88,7 +90,7 @@ def _everett(c: Array, start: float, end: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def note_reversals(m: Array, y: float) -> None:
+def note_reversals(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Update the reversals that still act on the force; m[-1] is the latest displacement."""
     count, latest = int(m[0]), m[-1]
     turned = (y - latest) * (latest - m[count]) < 0.0
@@ -103,8 +105,21 @@ def note_reversals(m: Array, y: float) -> None:
     m[0], m[m.shape[0] - 1] = count, y
 
 
+PREISACH = Kind(preisach_force, note_reversals)
+
+
+MASING = Kind(masing_force, note_reversals)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_bouc_wen(c: Array, m: Array, y: float) -> None:
+def bouc_wen_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of a spring c[0] at the hysteretic deflection m[0]."""
+    force: float = c[0] * m[0]
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_bouc_wen(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry Wen's hysteretic deflection: dz = (1 - |z/Z|^n (b sign(z dy) + 1 - b)) dy.
 
     Y. K. Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249. c: stiffness, Z, n, b; m: z and latest place.
@@ -117,8 +132,11 @@ def carry_bouc_wen(c: Array, m: Array, y: float) -> None:
     m[1] = y
 
 
+BOUC_WEN = Kind(bouc_wen_force, carry_bouc_wen)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_duhem(c: Array, m: Array, y: float) -> None:
+def carry_duhem(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry Coleman and Hodgdon's force: dF = a |dy| (b (y - y0) - F) + g dy.
 
     B. D. Coleman and M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897. A loop takes energy where
@@ -130,6 +148,9 @@ def carry_duhem(c: Array, m: Array, y: float) -> None:
     line = c[1] * (0.5 * (y + m[1]) - c[3])
     m[0] += share * (line - m[0]) + c[2] * step
     m[1] = y
+
+
+DUHEM = Kind(remembered_force, carry_duhem)
 
 
 @njit(cache=True, error_model="numpy")
@@ -151,7 +172,14 @@ def _magnetised(c: Array, m: float, place: float, side: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_magnet(c: Array, m: Array, y: float) -> None:
+def magnet_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the attraction of a magnet of force c[0] at the magnetisation m[0]."""
+    force: float = -(c[0] * m[0])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_magnet(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the magnetisation of an iron whose field is the place, by the midpoint rule.
 
     D. C. Jiles and D. L. Atherton, J. Magn. Magn. Mater. 61 (1986) 48. c: force of saturation,
@@ -166,8 +194,11 @@ def carry_magnet(c: Array, m: Array, y: float) -> None:
     m[1] = y
 
 
+MAGNET = Kind(magnet_force, carry_magnet)
+
+
 @njit(cache=True, error_model="numpy")
-def sliders_force(c: Array, m: Array) -> float:
+def sliders_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of c[0] springs on sliders; (stiffness, stretch that slides) follow.
 
     L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85. m: latest place, then the stretch of every
@@ -180,7 +211,7 @@ def sliders_force(c: Array, m: Array) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_sliders(c: Array, m: Array, y: float) -> None:
+def carry_sliders(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Stretch every spring until its slider moves."""
     step = y - m[0]
     for i in range(int(c[0])):
@@ -188,8 +219,18 @@ def carry_sliders(c: Array, m: Array, y: float) -> None:
     m[0] = y
 
 
+SLIDERS = Kind(sliders_force, carry_sliders)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_joint(c: Array, m: Array, y: float, dt: float) -> None:
+def joint_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force that a joint c[0] no longer takes, by the drag m[1] of its slider."""
+    force: float = -(c[0] * m[1])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_joint(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Drag the slider of a joint, which holds until the moment c[1] and slips at a stretch c[2].
 
     L. Gaul and R. Nitsche, Appl. Mech. Rev. 54 (2001) 93: a spring of stiffness c[0] in series with
@@ -201,6 +242,9 @@ def carry_joint(c: Array, m: Array, y: float, dt: float) -> None:
         m[1] = min(max(m[1], y - c[3] - c[2]), y - c[3] + c[2])
 
 
+JOINT = Kind(joint_force, carry_joint)
+
+
 @njit(cache=True, error_model="numpy")
 def _flag_edge(c: Array, d: float, length: float) -> float:
     """Return a spring c[0] that yields at a length, with a share c[2] of its stiffness left."""
@@ -209,7 +253,7 @@ def _flag_edge(c: Array, d: float, length: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_flag(c: Array, m: Array, y: float) -> None:
+def carry_flag(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry a spring that yields at the length c[1] and returns at 1 - c[3] of it.
 
     C. Christopoulos et al., Earthq. Eng. Struct. Dyn. 31 (2002) 1131. It is slack below the place
@@ -221,8 +265,11 @@ def carry_flag(c: Array, m: Array, y: float) -> None:
     m[1] = y
 
 
+FLAG = Kind(remembered_force, carry_flag)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_leaves(c: Array, m: Array, y: float) -> None:
+def carry_leaves(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the force of leaf springs, towards 1 + c[1] (upwards) or 1 - c[1] times a line.
 
     P. S. Fancher et al., SAE Paper 800905, 1980: exponentially over c[2], by the midpoint of the
@@ -234,8 +281,11 @@ def carry_leaves(c: Array, m: Array, y: float) -> None:
     m[1] = y
 
 
+LEAVES = Kind(remembered_force, carry_leaves)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_peaks(c: Array, m: Array, y: float) -> None:
+def carry_peaks(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry a force that unloads with c[0] and heads for the farthest place on the other side.
 
     T. Takeda et al., J. Struct. Div. ASCE 96 (1970) 2557. It yields at c[1] from the place c[3],
@@ -257,8 +307,11 @@ def carry_peaks(c: Array, m: Array, y: float) -> None:
     m[0], m[1] = side * force if side != 0.0 else m[0], y
 
 
+PEAKS = Kind(remembered_force, carry_peaks)
+
+
 @njit(cache=True, error_model="numpy")
-def endochronic_force(c: Array, m: Array) -> float:
+def endochronic_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of c[0] springs; (stiffness, way over which it fades) pairs follow in ``c``.
 
     K. C. Valanis, Arch. Mech. 23 (1971) 517. m: latest place, then the force of every spring.
@@ -270,10 +323,13 @@ def endochronic_force(c: Array, m: Array) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_endochronic(c: Array, m: Array, y: float) -> None:
+def carry_endochronic(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry dF = k dy - F |dy|/l of every spring, exactly for a step one way."""
     step = y - m[0]
     for i in range(int(c[0])):
         limit = c[1 + 2 * i] * c[2 + 2 * i] * np.sign(step)
         m[1 + i] -= np.expm1(-abs(step) / c[2 + 2 * i]) * (limit - m[1 + i])
     m[0] = y
+
+
+ENDOCHRONIC = Kind(endochronic_force, carry_endochronic)

@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kernels import carry_time, lost_force
+from dea.plant.force_laws.kind import Kind
 
 (
     POWER,
@@ -59,36 +61,54 @@ def course(shape: float, a: float, b: float, t: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def stiffness_in_time(c: Array, m: Array, y: float) -> float:
+def stiffness_in_time(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a stiffness c[0] that comes (or goes, where negative) with time."""
     value: float = c[0] * y * course(c[1], c[2], c[3], m[0])
     return value
 
 
+STIFFNESS_COURSE = Kind(stiffness_in_time, carry_time)
+
+
 @njit(cache=True, error_model="numpy")
-def force_in_time(c: Array, m: Array) -> float:
+def force_in_time(c: Array, m: Array, y: float, v: float) -> float:
     """Return a force of height c[0] that comes with time."""
     value: float = c[0] * course(c[1], c[2], c[3], m[0])
     return value
 
 
+FORCE_COURSE = Kind(force_in_time, carry_time)
+
+
 @njit(cache=True, error_model="numpy")
-def pulse_train(c: Array, m: Array) -> float:
+def pulse_train(c: Array, m: Array, y: float, v: float) -> float:
     """Return equal pulses of mean 0: a von Mises bell of concentration c[3], c[1] a second."""
     bell = np.exp(c[3] * (np.cos(2.0 * np.pi * c[1] * m[0] + c[2]) - 1.0))
     force: float = c[0] * (bell - c[4])
     return force
 
 
+PULSES = Kind(pulse_train, carry_time)
+
+
 @njit(cache=True, error_model="numpy")
-def dashpot_in_time(c: Array, m: Array, v: float) -> float:
+def dashpot_in_time(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a dashpot c[0] that comes with time."""
     value: float = c[0] * v * course(c[1], c[2], c[3], m[0])
     return value
 
 
+DASHPOT_COURSE = Kind(dashpot_in_time, carry_time)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_relaxing(c: Array, m: Array, dt: float) -> None:
+def softening_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return what a spring c[0] loses with the share m[1] of its stiffness."""
+    return lost_force(c, y, m[1])
+
+
+@njit(cache=True, error_model="numpy")
+def carry_relaxing(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the share m[1] lost by c[1] elements; (weight, time constant) pairs follow; m[0]: time.
 
     R. C. Koeller, J. Appl. Mech. 51 (1984) 299: by the spectrum of Mittag-Leffler's function.
@@ -100,8 +120,11 @@ def carry_relaxing(c: Array, m: Array, dt: float) -> None:
     m[1] = lost
 
 
+RELAXING = Kind(softening_force, carry_relaxing)
+
+
 @njit(cache=True, error_model="numpy")
-def carry_reduced_time(c: Array, m: Array, dt: float) -> None:
+def carry_reduced_time(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the share m[1] lost exponentially, c[1] s, by a clock whose rate swings; m[0]: time.
 
     L. W. Morland and E. H. Lee, Trans. Soc. Rheol. 4 (1960) 233. The rate is
@@ -110,3 +133,6 @@ def carry_reduced_time(c: Array, m: Array, dt: float) -> None:
     m[0] += dt
     reduced = m[0] + c[4] / c[2] * (np.cos(c[3]) - np.cos(c[2] * m[0] + c[3]))
     m[1] = -np.expm1(-reduced / c[1])
+
+
+REDUCED_TIME = Kind(softening_force, carry_reduced_time)

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kind import Kind
 
 HARDENING, PENDULUM, BILINEAR = 0.0, 1.0, 2.0
 
@@ -48,6 +49,9 @@ def carry_mode(c: Array, m: Array, y: float, v: float, dt: float) -> None:
         m[0], m[1] = place + ahead * m[1], speed + ahead * push
 
 
+MODE = Kind(mode_force, carry_mode)
+
+
 @njit(cache=True, error_model="numpy")
 def column_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a mass c[0] on a spring c[1], damped by c[2] w + c[3] w |w|.
@@ -67,6 +71,9 @@ def carry_column(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     for ahead in (0.5 * dt, dt):
         push = column_force(c, m, y, v) / c[0]
         m[0], m[1] = place + ahead * m[1], speed + ahead * push
+
+
+COLUMN = Kind(column_force, carry_column)
 
 
 @njit(cache=True, error_model="numpy")
@@ -96,6 +103,9 @@ def carry_twins(c: Array, m: Array, y: float, v: float, dt: float) -> None:
             m[2 * i], m[2 * i + 1] = place + ahead * m[2 * i + 1], speed + ahead * push
 
 
+TWINS = Kind(twin_force, carry_twins)
+
+
 @njit(cache=True, error_model="numpy")
 def series_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a mass that carries another; mass, spring and dashpot of each in c.
@@ -116,6 +126,9 @@ def carry_series(c: Array, m: Array, y: float, v: float, dt: float) -> None:
         pulled = between / c[3]
         m[0], m[2] = place + ahead * m[1], carried + ahead * m[3]
         m[1], m[3] = speed + ahead * push, its_speed + ahead * pulled
+
+
+SERIES = Kind(series_force, carry_series)
 
 
 @njit(cache=True, error_model="numpy")
@@ -139,8 +152,11 @@ def carry_rubbing(c: Array, m: Array, y: float, v: float, dt: float) -> None:
         m[0], m[1] = place + ahead * m[1], speed + ahead * push
 
 
+RUBBING = Kind(rubbing_force, carry_rubbing)
+
+
 @njit(cache=True, error_model="numpy")
-def three_elements_force(c: Array, m: Array, y: float) -> float:
+def three_elements_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of a mass c[0] on a spring c[1], beside it a spring c[2] on a dashpot c[3].
 
     T. Asami and O. Nishihara, J. Vib. Acoust. 121 (1999) 334. m: place and velocity of the mass,
@@ -156,6 +172,9 @@ def carry_three_elements(c: Array, m: Array, y: float, v: float, dt: float) -> N
     """Carry mass and dashpot over a sub-step."""
     place, speed, given = m[0], m[1], m[2]
     for ahead in (0.5 * dt, dt):
-        push = three_elements_force(c, m, y) / c[0]
+        push = three_elements_force(c, m, y, v) / c[0]
         giving = c[2] / c[3] * (y - m[0] - m[2])
         m[0], m[1], m[2] = place + ahead * m[1], speed + ahead * push, given + ahead * giving
+
+
+THREE_ELEMENTS = Kind(three_elements_force, carry_three_elements)

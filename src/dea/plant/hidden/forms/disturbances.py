@@ -5,8 +5,8 @@ from numba import njit
 from numpy.random import Generator
 
 from dea.arrays import Array
-from dea.plant import forces
 from dea.plant.film import SUBSTEP
+from dea.plant.force_laws.in_time import PULSES
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.signal_law import SignalLaw
@@ -219,7 +219,7 @@ def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
     height = conditions.device_forces(size)
     phase = rng.uniform(0.0, 2.0 * np.pi)
     constants = [height, frequency, phase, narrow, i0e(narrow)]
-    return Built(ForceLaw(forces.PULSES, constants), {"frequency": frequency})
+    return Built(ForceLaw(PULSES, constants), {"frequency": frequency})
 
 
 @tuning("Rao, Mechanical Vibrations (2017): the rectified sine of a loose contact")

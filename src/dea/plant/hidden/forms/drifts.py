@@ -4,8 +4,8 @@ import numpy as np
 from numpy.random import Generator
 
 from dea.arrays import Array
-from dea.plant import forces
 from dea.plant.force_laws import in_time
+from dea.plant.force_laws.in_time import FORCE_COURSE
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.hidden.forms.courses import (
@@ -303,7 +303,7 @@ def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     height = conditions.device_forces(size) * rng.choice([-1.0, 1.0])
     time = rng.uniform(0.01, 0.1) * conditions.duration
     constants = [height, in_time.LOGARITHM, time, conditions.duration]
-    return Built(ForceLaw(forces.FORCE_COURSE, constants), {})
+    return Built(ForceLaw(FORCE_COURSE, constants), {})
 
 
 @reporting("Munson et al., Fundamentals of Fluid Mechanics (2002): a reservoir that empties")

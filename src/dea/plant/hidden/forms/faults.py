@@ -5,9 +5,10 @@ from numba import njit
 from numpy.random import Generator
 
 from dea.arrays import Array
-from dea.plant import forces
 from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
+from dea.plant.force_laws.hysteresis import JOINT
+from dea.plant.force_laws.in_time import DASHPOT_COURSE, FORCE_COURSE, STIFFNESS_COURSE
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.hidden.forms.kernels import sign
@@ -49,7 +50,7 @@ def cracked_spring(size: float, conditions: Conditions, rng: Generator) -> Built
     moment, width = _moment(conditions, rng), rng.uniform(0.02, 0.15) * conditions.time
     change = 0.5 * size * sign(size, rng) * conditions.stiffness
     constants = [change, in_time.SIGMOID, moment, width]
-    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants), {"time": moment})
+    return Built(ForceLaw(STIFFNESS_COURSE, constants), {"time": moment})
 
 
 @njit(cache=True)
@@ -123,7 +124,7 @@ def dropped_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A constant force of ``size`` device forces is there from the moment on."""
     moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
     height = conditions.device_forces(size) * rng.choice([-1.0, 1.0])
-    law = ForceLaw(forces.FORCE_COURSE, [height, in_time.RAMP, moment, width])
+    law = ForceLaw(FORCE_COURSE, [height, in_time.RAMP, moment, width])
     return Built(law, {"time": moment})
 
 
@@ -141,7 +142,7 @@ def thickened_oil(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A dashpot is there from the moment on; one over the band it is ``size`` stiffnesses."""
     moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
     dashpot = size * conditions.stiffness * conditions.time / (2.0 * np.pi)
-    law = ForceLaw(forces.DASHPOT_COURSE, [dashpot, in_time.RAMP, moment, width])
+    law = ForceLaw(DASHPOT_COURSE, [dashpot, in_time.RAMP, moment, width])
     return Built(law, {"time": moment})
 
 
@@ -158,7 +159,7 @@ def slipping_joint(size: float, conditions: Conditions, rng: Generator) -> Built
     moment = _moment(conditions, rng)
     stretch = rng.uniform(0.05, 0.3) * conditions.travel
     constants = [0.5 * size * conditions.stiffness, moment, stretch, conditions.rest]
-    return Built(ForceLaw(forces.JOINT, constants), {"time": moment})
+    return Built(ForceLaw(JOINT, constants), {"time": moment})
 
 
 @njit(cache=True)

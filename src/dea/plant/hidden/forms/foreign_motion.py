@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
+from dea.plant.force_laws.damping import DRAG, PUMPED, TAPERED
+from dea.plant.force_laws.elastic import SNAP_THROUGH
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, foreign, tuning
 
@@ -15,7 +16,7 @@ from dea.plant.hidden.effect import Built, Conditions, foreign, tuning
 def quadratic_drag(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Drag of ``size`` device forces at the mean speed of the motion."""
     constants = [conditions.device_forces(size) / conditions.speed**2]
-    return Built(ForceLaw(forces.DRAG, constants), {})
+    return Built(ForceLaw(DRAG, constants), {})
 
 
 @tuning("Nayfeh and Mook, Nonlinear Oscillations (1979): a stiffness that is pumped", moving=True)
@@ -25,7 +26,7 @@ def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Bui
     constants = [
         size * conditions.stiffness, conditions.rest, frequency, rng.uniform(0.0, 2.0 * np.pi)
     ]  # fmt: skip
-    return Built(ForceLaw(forces.PUMPED, constants), {})
+    return Built(ForceLaw(PUMPED, constants), {})
 
 
 @tuning("Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True)
@@ -39,7 +40,7 @@ def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
     width = 2.0 * np.pi * size / rng.uniform(2.0, 4.0) * conditions.travel
     constants = [force, place, width]
-    return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})
+    return Built(ForceLaw(SNAP_THROUGH, constants), {})
 
 
 @tuning("Harris and Crede, Shock and Vibration Handbook (1961): a tapered pin", moving=True)
@@ -50,7 +51,7 @@ def tapered_dashpot(size: float, conditions: Conditions, rng: Generator) -> Buil
     """
     dashpot = size * conditions.stiffness * conditions.time / (2.0 * np.pi)
     constants = [dashpot, conditions.bottom, conditions.travel, rng.uniform(2.0, 4.0)]
-    return Built(ForceLaw(forces.TAPERED, constants), {})
+    return Built(ForceLaw(TAPERED, constants), {})
 
 
 EFFECTS = (

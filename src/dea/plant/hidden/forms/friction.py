@@ -3,7 +3,21 @@
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
+from dea.plant.force_laws.friction import (
+    AGEING,
+    BEARING,
+    BELT,
+    BONDS,
+    COMPOSITE,
+    DAHL,
+    FADING,
+    LORENTZIAN,
+    LUGRE,
+    RUNNING_IN,
+    STRIBECK,
+    UNEVEN,
+)
+from dea.plant.force_laws.kind import Kind
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 from dea.plant.hidden.forms.memory import sliders
@@ -18,10 +32,10 @@ def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
         sliding / bend, 0.0, sliding, sliding * rng.uniform(1.0, 1.4),
         speed * rng.uniform(0.1, 0.4),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.LUGRE, constants), {})
+    return Built(ForceLaw(LUGRE, constants), {})
 
 
-def _falling(kind: int, size: float, conditions: Conditions, rng: Generator) -> Built:
+def _falling(kind: Kind, size: float, conditions: Conditions, rng: Generator) -> Built:
     """Return friction from 1.1 to 1.6 times the sliding one, which it reaches with the speed."""
     sliding, speed = conditions.device_forces(size), conditions.speed
     static = sliding * rng.uniform(1.1, 1.6)
@@ -32,7 +46,7 @@ def _falling(kind: int, size: float, conditions: Conditions, rng: Generator) -> 
 @tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
 def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that falls with the speed, regularised near standstill."""
-    return _falling(forces.STRIBECK, size, conditions, rng)
+    return _falling(STRIBECK, size, conditions, rng)
 
 
 @tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
@@ -50,7 +64,7 @@ def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Buil
     sliding, speed = conditions.device_forces(size), conditions.speed
     slip = rng.uniform(0.005, 0.02) * conditions.travel
     constants = [sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed]
-    return Built(ForceLaw(forces.AGEING, constants), {})
+    return Built(ForceLaw(AGEING, constants), {})
 
 
 @tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
@@ -60,13 +74,13 @@ def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built
     growth = rng.uniform(0.6, 1.1)
     low = sliding * (1.0 - 0.5 * growth)
     constants = [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
-    return Built(ForceLaw(forces.BEARING, constants), {})
+    return Built(ForceLaw(BEARING, constants), {})
 
 
 @tuning("Hess and Soom, J. Tribol. 112 (1990) 147: a fall with the square of the speed")
 def hess_soom(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that falls as 1/(1 + (v/v0)²), regularised near standstill."""
-    return _falling(forces.LORENTZIAN, size, conditions, rng)
+    return _falling(LORENTZIAN, size, conditions, rng)
 
 
 @tuning("Blau, Tribol. Int. 38 (2005) 1007: surfaces that run in")
@@ -75,7 +89,7 @@ def running_in(size: float, conditions: Conditions, rng: Generator) -> Built:
     sliding, speed = conditions.device_forces(size), conditions.speed
     length = rng.uniform(0.1, 0.4) * conditions.path
     constants = [sliding, rng.uniform(0.4, 0.7), length, 0.03 * speed]
-    return Built(ForceLaw(forces.RUNNING_IN, constants), {})
+    return Built(ForceLaw(RUNNING_IN, constants), {})
 
 
 @tuning("Meriam and Kraige, Engineering Mechanics: Statics (2007): Euler's belt around a post")
@@ -91,7 +105,7 @@ def belt_around_post(size: float, conditions: Conditions, rng: Generator) -> Bui
         load * (1.0 - 0.5 * growth), load * growth / conditions.travel, conditions.bottom, wound,
         0.03 * conditions.speed,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.BELT, constants), {})
+    return Built(ForceLaw(BELT, constants), {})
 
 
 @tuning("Armstrong-Hélouvry, Control of Machines with Friction (1991): friction of uneven gears")
@@ -101,7 +115,7 @@ def uneven_gears(size: float, conditions: Conditions, rng: Generator) -> Built:
     # From the lowest place on, so that it does not depend on where the output has its zero.
     phase = rng.uniform(0.0, 2.0 * np.pi) - 2.0 * np.pi * conditions.bottom / period
     constants = [conditions.device_forces(size), depth, period, phase, 0.03 * conditions.speed]
-    return Built(ForceLaw(forces.UNEVEN, constants), {})
+    return Built(ForceLaw(UNEVEN, constants), {})
 
 
 @tuning("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
@@ -109,7 +123,7 @@ def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
     sliding = conditions.device_forces(size)
     stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
-    return Built(ForceLaw(forces.DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
+    return Built(ForceLaw(DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
 
 
 @tuning("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
@@ -120,7 +134,7 @@ def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
     steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
     uneven = rng.uniform(-0.2, 0.2)
     constants = [excess, steepness[0], steepness[1], sliding, steepness[2], uneven]
-    return Built(ForceLaw(forces.COMPOSITE, constants), {})
+    return Built(ForceLaw(COMPOSITE, constants), {})
 
 
 @reporting("Haessig and Friedland, J. Dyn. Syst. Meas. Control 113 (1991) 354: bonds that break")
@@ -132,7 +146,7 @@ def breaking_bonds(size: float, conditions: Conditions, rng: Generator) -> Built
     sliding = conditions.device_forces(size)
     stretch, excess = rng.uniform(0.003, 0.02) * conditions.travel, rng.uniform(0.15, 0.5)
     constants = [sliding * (1.0 + excess) / stretch, sliding, sliding * (1.0 + excess)]
-    return Built(ForceLaw(forces.BONDS, constants, [0.0, conditions.rest]), {})
+    return Built(ForceLaw(BONDS, constants, [0.0, conditions.rest]), {})
 
 
 @reporting("Newcomb and Spurr, Braking of Road Vehicles (1967): a brake that fades when it is hot")
@@ -144,7 +158,7 @@ def fading_brake(size: float, conditions: Conditions, rng: Generator) -> Built:
     sliding, speed = conditions.device_forces(size), conditions.speed
     cooling = rng.uniform(2.0, 10.0) * conditions.time
     constants = [sliding, rng.uniform(0.5, 0.9), cooling, speed, 0.03 * speed]
-    return Built(ForceLaw(forces.FADING, constants), {})
+    return Built(ForceLaw(FADING, constants), {})
 
 
 EFFECTS = (

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
+from dea.plant.force_laws.hysteresis import ENDOCHRONIC, LEAVES, PEAKS
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 
@@ -19,7 +19,7 @@ def leaf_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
     stiffness, friction = size * conditions.stiffness, rng.uniform(0.15, 0.4)
     constants = [stiffness, friction, rng.uniform(0.05, 0.2) * conditions.travel, start]
     force = stiffness * max(conditions.rest - start, 0.0)
-    return Built(ForceLaw(forces.LEAVES, constants, [force, conditions.rest]), {})
+    return Built(ForceLaw(LEAVES, constants, [force, conditions.rest]), {})
 
 
 @reporting(
@@ -34,7 +34,7 @@ def cracked_concrete(size: float, conditions: Conditions, rng: Generator) -> Bui
         size * conditions.stiffness, rng.uniform(0.08, 0.3) * conditions.travel,
         rng.uniform(0.02, 0.2), conditions.rest,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.PEAKS, constants, [0.0, conditions.rest]), {})
+    return Built(ForceLaw(PEAKS, constants, [0.0, conditions.rest]), {})
 
 
 @reporting("Valanis, Arch. Mech. 23 (1971) 517: a time that runs with the way, not with the clock")
@@ -46,5 +46,5 @@ def endochronic(size: float, conditions: Conditions, rng: Generator) -> Built:
     lengths = rng.uniform(0.03, 0.1) * conditions.travel * np.array([1.0, 3.0, 9.0])
     shares = np.array([4.0, 2.0, 1.0]) / 7.0
     pairs = np.column_stack([size * conditions.stiffness * shares, lengths]).ravel()
-    law = ForceLaw(forces.ENDOCHRONIC, np.append(3.0, pairs), [conditions.rest])
+    law = ForceLaw(ENDOCHRONIC, np.append(3.0, pairs), [conditions.rest])
     return Built(law, {})

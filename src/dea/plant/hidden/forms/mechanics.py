@@ -5,9 +5,22 @@ from math import gamma
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
 from dea.plant.force_laws import damage, mode
-from dea.plant.force_laws.elastic import conical_force, fibre_force
+from dea.plant.force_laws.damage import CRACK, CYCLES, MINER, PSEUDO_ELASTIC, TWO_DAMAGES, WORK
+from dea.plant.force_laws.elastic import (
+    CABLES,
+    CHAIN,
+    CONICAL,
+    DEMIRAY,
+    FIBRES,
+    FUNG,
+    GENT,
+    GUIDED,
+    POWER,
+    TOE,
+)
+from dea.plant.force_laws.kind import Kind
+from dea.plant.force_laws.mode import COLUMN, MODE, SERIES, TWINS
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.structures import (
@@ -21,7 +34,7 @@ from dea.plant.hidden.forms.structures import (
 )
 
 
-def _static(kind: int, constants: list[float]) -> Built:
+def _static(kind: Kind, constants: list[float]) -> Built:
     return Built(ForceLaw(kind, constants), {})
 
 
@@ -31,16 +44,14 @@ def fung(size: float, conditions: Conditions, rng: Generator) -> Built:
     length = rng.uniform(0.2, 0.5) * conditions.travel
     reach = conditions.travel / length
     force = conditions.device_forces(size) / (np.exp(reach) - 1.0 - reach)
-    return _static(forces.FUNG, [force, length, conditions.bottom])
+    return _static(FUNG, [force, length, conditions.bottom])
 
 
 @tuning("Ogden, Proc. R. Soc. A 326 (1972) 565: a power of the stretch")
 def ogden_term(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that is a power of 3.5 to 6, at the top ``size`` times the largest device force."""
     force = conditions.device_forces(size)
-    return _static(
-        forces.POWER, [force, rng.uniform(3.5, 6.0), conditions.bottom, conditions.travel]
-    )
+    return _static(POWER, [force, rng.uniform(3.5, 6.0), conditions.bottom, conditions.travel])
 
 
 @tuning("Demiray, J. Biomech. 5 (1972) 309: an energy exponential in the squared stretch")
@@ -49,7 +60,7 @@ def demiray(size: float, conditions: Conditions, rng: Generator) -> Built:
     length = rng.uniform(0.5, 1.0) * conditions.travel
     x = conditions.travel / length
     force = conditions.device_forces(size) / (x * np.expm1(x * x))
-    return _static(forces.DEMIRAY, [force, length, conditions.bottom])
+    return _static(DEMIRAY, [force, length, conditions.bottom])
 
 
 @tuning("Lanir, J. Biomech. 16 (1983) 1: wavy fibres that become taut one after the other")
@@ -57,9 +68,9 @@ def recruited_fibres(size: float, conditions: Conditions, rng: Generator) -> Bui
     """Fibres that are straight at places with a Gaussian distribution; then they are linear."""
     mean = conditions.bottom + rng.uniform(0.5, 0.75) * conditions.travel
     width = rng.uniform(0.06, 0.2) * conditions.travel
-    whole = fibre_force(np.array([1.0, mean, width]), conditions.top)
+    whole = FIBRES.static([1.0, mean, width], conditions.top)
     stiffness = conditions.device_forces(size) / whole
-    return _static(forces.FIBRES, [stiffness, mean, width])
+    return _static(FIBRES, [stiffness, mean, width])
 
 
 @tuning("Irvine, Cable Structures (1981): cables across the motion")
@@ -67,7 +78,7 @@ def taut_cables(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that begins as a cube and ends as a line, of half spans of 0.5 to 1.2 travels."""
     span = rng.uniform(0.5, 1.2)
     stiffness = size * conditions.stiffness / (1.0 - span / np.hypot(1.0, span))
-    return _static(forces.CABLES, [stiffness, span * conditions.travel, conditions.bottom])
+    return _static(CABLES, [stiffness, span * conditions.travel, conditions.bottom])
 
 
 @tuning("Weiss et al., Comput. Methods Appl. Mech. Eng. 135 (1996) 107: a toe, then a line")
@@ -76,7 +87,7 @@ def tendon_toe(size: float, conditions: Conditions, rng: Generator) -> Built:
     end, steep = rng.uniform(0.5, 0.8), rng.uniform(4.0, 7.0)
     top = np.expm1(steep) + (1.0 / end - 1.0) * steep * np.exp(steep)
     force, toe = conditions.device_forces(size) / top, end * conditions.travel
-    return _static(forces.TOE, [force, toe / steep, conditions.bottom, toe])
+    return _static(TOE, [force, toe / steep, conditions.bottom, toe])
 
 
 @tuning("Rodriguez et al., J. Mech. Des. 128 (2006) 1352: a conical spring, solid coil by coil")
@@ -85,9 +96,9 @@ def conical_spring(size: float, conditions: Conditions, rng: Generator) -> Built
     narrow = rng.uniform(0.3, 0.6)
     begun, solid = 0.25 * (1.0 - narrow**4), 1.0 - narrow
     length = conditions.travel / (begun + rng.uniform(0.5, 0.8) * (solid - begun))
-    whole = conical_force(np.array([1.0, length, conditions.bottom, narrow]), conditions.top)
+    whole = CONICAL.static([1.0, length, conditions.bottom, narrow], conditions.top)
     force = conditions.device_forces(size) / whole
-    return _static(forces.CONICAL, [force, length, conditions.bottom, narrow])
+    return _static(CONICAL, [force, length, conditions.bottom, narrow])
 
 
 @tuning("Den Hartog, Mechanical Vibrations (1956): a leaf spring that a curved guide shortens")
@@ -100,7 +111,7 @@ def guided_leaf(size: float, conditions: Conditions, rng: Generator) -> Built:
     beyond = rng.uniform(0.3, 0.45)
     length = (conditions.top - touched) / beyond
     force = conditions.device_forces(size) / ((1.0 - 2.0 * beyond) ** -0.5 - 1.0 - beyond)
-    return _static(forces.GUIDED, [force, length, touched])
+    return _static(GUIDED, [force, length, touched])
 
 
 @tuning("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
@@ -108,7 +119,7 @@ def gent(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that rises without bound at 1.15 to 1.5 travels."""
     limit = rng.uniform(1.15, 1.5)
     force = size * conditions.stiffness * (1.0 / limit) / (1.0 / (1.0 - limit**-2) - 1.0)
-    return _static(forces.GENT, [force * limit, limit * conditions.travel, conditions.bottom])
+    return _static(GENT, [force * limit, limit * conditions.travel, conditions.bottom])
 
 
 @tuning("Arruda and Boyce, J. Mech. Phys. Solids 41 (1993) 389, Cohen's inverse Langevin")
@@ -118,7 +129,7 @@ def langevin_chain(size: float, conditions: Conditions, rng: Generator) -> Built
     x = 1.0 / limit
     full = limit * (x * (3.0 - x * x) / (1.0 - x * x) / 3.0 - x)
     return _static(
-        forces.CHAIN,
+        CHAIN,
         [size * conditions.stiffness / full, limit * conditions.travel, conditions.bottom],
     )
 
@@ -130,7 +141,7 @@ def _cycling(
         conditions.stiffness, size, max(conditions.full_cycles, 1.0), exponent,
         0.1 * conditions.travel, conditions.travel, float(shape), *others,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CYCLES, constants), {})
+    return Built(ForceLaw(CYCLES, constants), {})
 
 
 @tuning("Basquin, Proc. ASTM 10 (1910) 625: a power of the number of cycles")
@@ -147,7 +158,7 @@ def ogden_roxburgh(size: float, conditions: Conditions, rng: Generator) -> Built
         conditions.stiffness, min(size, 0.9), rng.uniform(0.05, 0.3) * most,
         rng.uniform(0.05, 0.3),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.PSEUDO_ELASTIC, constants), {})
+    return Built(ForceLaw(PSEUDO_ELASTIC, constants), {})
 
 
 @tuning("Lemaitre and Chaboche, Mechanics of Solid Materials (1990): softening that saturates")
@@ -167,7 +178,7 @@ def paris_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
         conditions.stiffness, size, cycles * min(mean, 1.0), rng.uniform(3.0, 8.0),
         0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CRACK, constants), {})
+    return Built(ForceLaw(CRACK, constants), {})
 
 
 @tuning("Mao and Mahadevan, Compos. Struct. 58 (2002) 405: a quick, a steady and a last stage")
@@ -192,7 +203,7 @@ def endurance_limit(size: float, conditions: Conditions, rng: Generator) -> Buil
         conditions.stiffness, size, cycles * min(mean, 1.0), limit,
         0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.MINER, constants), {})
+    return Built(ForceLaw(MINER, constants), {})
 
 
 @tuning("Miehe, Eur. J. Mech. A/Solids 14 (1995) 697: damage by the largest stroke and by all")
@@ -206,7 +217,7 @@ def two_damages(size: float, conditions: Conditions, rng: Generator) -> Built:
         conditions.stiffness, share * size / -np.expm1(-most / early), early,
         (1.0 - share) * size / -np.expm1(-whole / late), late, conditions.rest,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.TWO_DAMAGES, constants), {})
+    return Built(ForceLaw(TWO_DAMAGES, constants), {})
 
 
 @tuning("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -215,7 +226,7 @@ def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built
     whole = conditions.stiffness * conditions.path * conditions.travel * 0.5
     work = rng.uniform(0.1, 0.6) * whole
     constants = [conditions.stiffness, size, work, conditions.rest]
-    return Built(ForceLaw(forces.WORK, constants), {})
+    return Built(ForceLaw(WORK, constants), {})
 
 
 @tuning("Derham and Thomas, Rubber Chem. Technol. 50 (1977) 397: the logarithm of the cycles")
@@ -241,7 +252,7 @@ def _second(
     mass, spring, dashpot = _attached(size, conditions, frequency, rng.uniform(0.03, 0.12))
     length = rng.uniform(1.0, 3.0) * conditions.travel
     constants = [mass, spring, dashpot * (1.0 - to_ground), dashpot * to_ground, length, shape]
-    law = ForceLaw(forces.MODE, constants, [conditions.rest])
+    law = ForceLaw(MODE, constants, [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -265,7 +276,7 @@ def liquid_column(size: float, conditions: Conditions, rng: Generator) -> Built:
     # As a dashpot of so many times the critical one at an amplitude of 0.3 travels.
     share = rng.uniform(0.1, 0.4)
     drag = 2.0 * share * mass * 3.0 * np.pi / (8.0 * 0.3 * conditions.travel)
-    law = ForceLaw(forces.COLUMN, [mass, spring, dashpot, drag], [conditions.rest])
+    law = ForceLaw(COLUMN, [mass, spring, dashpot, drag], [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -278,7 +289,7 @@ def twin_masses(size: float, conditions: Conditions, rng: Generator) -> Built:
     weaker, damping = size * rng.uniform(0.3, 0.6), rng.uniform(0.02, 0.06)
     other = _attached(weaker, conditions, second, damping)
     memory = [conditions.rest, 0.0, conditions.rest]
-    return Built(ForceLaw(forces.TWINS, [*first, *other], memory), {"frequency": frequency})
+    return Built(ForceLaw(TWINS, [*first, *other], memory), {"frequency": frequency})
 
 
 @tuning("Zuo, J. Vib. Acoust. 131 (2009) 031003: tuned masses in series")
@@ -294,7 +305,7 @@ def masses_in_series(size: float, conditions: Conditions, rng: Generator) -> Bui
     carried = share * mass, share * pace * spring
     between = 2.0 * rng.uniform(0.02, 0.06) * np.sqrt(carried[0] * carried[1])
     constants = [mass, spring, dashpot, *carried, between]
-    law = ForceLaw(forces.SERIES, constants, [conditions.rest, 0.0, conditions.rest])
+    law = ForceLaw(SERIES, constants, [conditions.rest, 0.0, conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -307,7 +318,7 @@ def breathing_crack(size: float, conditions: Conditions, rng: Generator) -> Buil
     ahead = 0.5 * frequency * (1.0 + root) / root
     mass, spring, dashpot = _attached(size, conditions, ahead, rng.uniform(0.03, 0.12))
     constants = [mass, spring, dashpot, 0.0, root**2, mode.BILINEAR]
-    law = ForceLaw(forces.MODE, constants, [conditions.rest])
+    law = ForceLaw(MODE, constants, [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 

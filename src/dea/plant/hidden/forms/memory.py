@@ -4,10 +4,12 @@ import numpy as np
 from numpy.random import Generator
 
 from dea.arrays import Array
-from dea.plant import forces
 from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
-from dea.plant.forces import ForceLaw
+from dea.plant.force_laws.hysteresis import BOUC_WEN, DUHEM, FLAG, MAGNET, MASING, PREISACH, SLIDERS
+from dea.plant.force_laws.in_time import STIFFNESS_COURSE
+from dea.plant.force_laws.viscoelastic import EYRING, NORTON, QUASI_LINEAR, REPTATION, SPECTRUM
+from dea.plant.forces import WIDTH, ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
 from dea.plant.hidden.forms.loops import cracked_concrete, endochronic, leaf_spring
 from dea.plant.hidden.forms.relaxation import (
@@ -29,7 +31,7 @@ def _spectrum(
     shares = -np.expm1(-SUBSTEP / (times * conditions.time))
     pairs = np.column_stack([stiffnesses, shares]).ravel()
     constants = np.concatenate([[float(times.size)], pairs])
-    return Built(ForceLaw(forces.SPECTRUM, constants, np.full(times.size, conditions.rest)), {})
+    return Built(ForceLaw(SPECTRUM, constants, np.full(times.size, conditions.rest)), {})
 
 
 @tuning("Scott Blair, J. Colloid Sci. 2 (1947) 21: a spring-pot, relaxing as a power of time")
@@ -65,7 +67,7 @@ def norton_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built
     length = rng.uniform(0.1, 0.4) * conditions.travel
     time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
     constants = [3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0)]
-    return Built(ForceLaw(forces.NORTON, constants, [conditions.rest]), {})
+    return Built(ForceLaw(NORTON, constants, [conditions.rest]), {})
 
 
 @tuning(
@@ -83,7 +85,7 @@ def quasi_linear(size: float, conditions: Conditions, rng: Generator) -> Built:
     stiffnesses = shares * size * conditions.stiffness / secant / (shares @ np.exp(-1.0 / times))
     pairs = np.column_stack([stiffnesses, -np.expm1(-SUBSTEP / (times * conditions.time))])
     constants = np.concatenate([[2.0, length, conditions.rest], pairs.ravel()])
-    return Built(ForceLaw(forces.QUASI_LINEAR, constants), {})
+    return Built(ForceLaw(QUASI_LINEAR, constants), {})
 
 
 @tuning("Caputo and Mainardi, Pure Appl. Geophys. 91 (1971) 134: the fractional Zener solid")
@@ -103,7 +105,7 @@ def bergstrom_boyce(size: float, conditions: Conditions, rng: Generator) -> Buil
         3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0),
         rng.uniform(0.05, 0.3) * conditions.travel, conditions.rest,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.REPTATION, constants, [conditions.rest]), {})
+    return Built(ForceLaw(REPTATION, constants, [conditions.rest]), {})
 
 
 @tuning("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
@@ -121,14 +123,14 @@ def activated_dashpot(size: float, conditions: Conditions, rng: Generator) -> Bu
     length = rng.uniform(0.08, 0.25) * conditions.travel
     time = conditions.time * np.exp(rng.uniform(np.log(2.0), np.log(10.0)))
     constants = [4.0 * size * conditions.stiffness, length / time, length]
-    return Built(ForceLaw(forces.EYRING, constants, [conditions.rest]), {})
+    return Built(ForceLaw(EYRING, constants, [conditions.rest]), {})
 
 
 def _relaxing(size: float, conditions: Conditions, shape: int, a: float, b: float) -> Built:
     """Return the loss with time of a share of the stiffness, ``size`` at the end."""
     at_end = in_time.course(float(shape), a, b, conditions.duration)
     lost = -size * conditions.stiffness / at_end
-    return Built(ForceLaw(forces.STIFFNESS_COURSE, [lost, shape, a, b]), {})
+    return Built(ForceLaw(STIFFNESS_COURSE, [lost, shape, a, b]), {})
 
 
 @tuning("Nutting, J. Franklin Inst. 191 (1921) 679: a power of the time under load")
@@ -192,7 +194,7 @@ def hyperbolic_relaxation(size: float, conditions: Conditions, rng: Generator) -
 
 
 def _reversals(conditions: Conditions) -> Array:
-    memory = np.zeros(forces.WIDTH)
+    memory = np.zeros(WIDTH)
     memory[:2] = 1.0, conditions.rest
     memory[-1] = conditions.rest
     return memory
@@ -205,7 +207,7 @@ def masing_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
         size * conditions.stiffness, rng.uniform(0.1, 0.4) * conditions.travel,
         conditions.median, rng.uniform(0.8, 2.0) * conditions.travel, 1.0, 0.0,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+    return Built(ForceLaw(MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Menegotto and Pinto, IABSE Symposium Lisbon (1973) 15: a line that bends into another")
@@ -215,7 +217,7 @@ def menegotto_pinto(size: float, conditions: Conditions, rng: Generator) -> Buil
         size * conditions.stiffness, rng.uniform(0.15, 0.5) * conditions.travel,
         conditions.median, np.inf, rng.uniform(2.0, 5.0), rng.uniform(0.02, 0.2),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+    return Built(ForceLaw(MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Ramberg and Osgood, NACA Technical Note 902 (1943): a line and a power, by Masing's rule")
@@ -225,7 +227,7 @@ def ramberg_osgood(size: float, conditions: Conditions, rng: Generator) -> Built
         size * conditions.stiffness, rng.uniform(0.1, 0.4) * conditions.travel,
         conditions.median, np.inf, rng.uniform(3.0, 7.0), 0.0, 1.0,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+    return Built(ForceLaw(MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, after Bouc")
@@ -235,14 +237,14 @@ def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
         size * conditions.stiffness, rng.uniform(0.08, 0.35) * conditions.travel,
         rng.uniform(1.2, 3.0), rng.uniform(0.55, 0.95),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.BOUC_WEN, constants, [0.0, conditions.rest]), {})
+    return Built(ForceLaw(BOUC_WEN, constants, [0.0, conditions.rest]), {})
 
 
 def sliders(stiffnesses: Array, stretches: Array, conditions: Conditions) -> Built:
     """Return springs on sliders, each of which moves at a stretch of its own."""
     pairs = np.column_stack([stiffnesses, stretches]).ravel()
     constants = np.append(float(stretches.size), pairs)
-    return Built(ForceLaw(forces.SLIDERS, constants, [conditions.rest]), {})
+    return Built(ForceLaw(SLIDERS, constants, [conditions.rest]), {})
 
 
 @tuning(
@@ -262,7 +264,7 @@ def flag_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
         size * conditions.stiffness, rng.uniform(0.06, 0.25) * conditions.travel,
         rng.uniform(0.02, 0.2), rng.uniform(0.4, 0.9), conditions.bottom,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.FLAG, constants, [0.0, conditions.rest]), {})
+    return Built(ForceLaw(FLAG, constants, [0.0, conditions.rest]), {})
 
 
 @tuning("Segalman, J. Appl. Mech. 72 (2005) 752: Iwan's sliders with the density of a bolted joint")
@@ -276,7 +278,7 @@ def bolted_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
         size * conditions.stiffness, rng.uniform(0.3, 0.9) * conditions.travel,
         conditions.median, np.inf, 1.0 + order, 1.0 - together, 2.0,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+    return Built(ForceLaw(MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Jiles and Atherton, J. Magn. Magn. Mater. 61 (1986) 48: walls that pins hold in iron")
@@ -293,7 +295,7 @@ def jiles_atherton(size: float, conditions: Conditions, rng: Generator) -> Built
     lengths = conditions.travel * np.array([shape, pins, mean_field])
     constants = [force, *lengths, reversible, conditions.bottom + middle * conditions.travel]
     start = _without_pins(field / shape, mean_field / shape)
-    return Built(ForceLaw(forces.MAGNET, constants, [start, conditions.rest]), {})
+    return Built(ForceLaw(MAGNET, constants, [start, conditions.rest]), {})
 
 
 def _without_pins(field: float, mean_field: float) -> float:
@@ -313,7 +315,7 @@ def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Bui
     width = rng.uniform(0.3, 0.8) * conditions.travel
     middle = conditions.bottom + rng.uniform(0.3, 0.7) * conditions.travel
     height = conditions.device_forces(size)
-    return Built(ForceLaw(forces.PREISACH, [height, middle, width], _reversals(conditions)), {})
+    return Built(ForceLaw(PREISACH, [height, middle, width], _reversals(conditions)), {})
 
 
 @tuning("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
@@ -322,7 +324,7 @@ def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Buil
     rate = 1.0 / (rng.uniform(0.15, 0.5) * conditions.travel)
     turning = size * conditions.stiffness
     constants = [rate, rng.uniform(0.0, 0.5) * turning, turning, conditions.rest]
-    return Built(ForceLaw(forces.DUHEM, constants, [0.0, conditions.rest]), {})
+    return Built(ForceLaw(DUHEM, constants, [0.0, conditions.rest]), {})
 
 
 EFFECTS = (

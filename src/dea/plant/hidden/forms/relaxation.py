@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
 from dea.plant.film import SUBSTEP
+from dea.plant.force_laws.in_time import REDUCED_TIME, RELAXING
+from dea.plant.force_laws.viscoelastic import FREE_VOLUME, SPECTRUM
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, reporting
 
@@ -20,7 +21,7 @@ def biphasic_layer(size: float, conditions: Conditions, rng: Generator) -> Built
     stiffness = size * conditions.stiffness / np.exp(-1.0 / times).sum()
     shares = -np.expm1(-SUBSTEP / (times * conditions.time))
     pairs = np.column_stack([np.full(12, stiffness), shares]).ravel()
-    law = ForceLaw(forces.SPECTRUM, np.append(12.0, pairs), np.full(12, conditions.rest))
+    law = ForceLaw(SPECTRUM, np.append(12.0, pairs), np.full(12, conditions.rest))
     return Built(law, {})
 
 
@@ -35,7 +36,7 @@ def free_volume(size: float, conditions: Conditions, rng: Generator) -> Built:
     length, quicker = rng.uniform(0.3, 1.0) * conditions.travel, rng.uniform(2.0, 5.0)
     pairs = np.column_stack([np.full(6, stiffness), SUBSTEP / (times * conditions.time)]).ravel()
     constants = np.concatenate([[6.0, length, conditions.rest, quicker], pairs])
-    return Built(ForceLaw(forces.FREE_VOLUME, constants, np.full(6, conditions.rest)), {})
+    return Built(ForceLaw(FREE_VOLUME, constants, np.full(6, conditions.rest)), {})
 
 
 @reporting("Koeller, J. Appl. Mech. 51 (1984) 299: a fractional Maxwell element")
@@ -50,7 +51,7 @@ def fractional_maxwell(size: float, conditions: Conditions, rng: Generator) -> B
     times = middle * np.exp(ratios)
     lost = size * conditions.stiffness / (weights @ -np.expm1(-conditions.duration / times))
     constants = [lost, 28.0, *np.column_stack([weights, times]).ravel()]
-    return Built(ForceLaw(forces.RELAXING, constants), {})
+    return Built(ForceLaw(RELAXING, constants), {})
 
 
 @reporting(
@@ -67,4 +68,4 @@ def swinging_temperature(size: float, conditions: Conditions, rng: Generator) ->
     angular = 2.0 * np.pi * frequency
     swung = depth / angular * (np.cos(phase) - np.cos(angular * conditions.duration + phase))
     lost = size * conditions.stiffness / -np.expm1(-(conditions.duration + swung) / time)
-    return Built(ForceLaw(forces.REDUCED_TIME, [lost, time, angular, phase, depth]), {})
+    return Built(ForceLaw(REDUCED_TIME, [lost, time, angular, phase, depth]), {})

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.random import Generator
 
-from dea.plant import forces
 from dea.plant.force_laws import damage
-from dea.plant.force_laws.elastic import worm_force
+from dea.plant.force_laws.damage import CYCLES, FILLER
+from dea.plant.force_laws.elastic import NESTED, WORM
+from dea.plant.force_laws.mode import RUBBING, THREE_ELEMENTS
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, reporting, tuning
 
@@ -16,16 +17,16 @@ def nested_springs(size: float, conditions: Conditions, rng: Generator) -> Built
     met = (np.arange(3.0) + rng.uniform(0.3, 0.9, 3)) / 3.0
     stiffness = size * conditions.stiffness / (1.0 - met).sum()
     places = conditions.bottom + met * conditions.travel
-    return Built(ForceLaw(forces.NESTED, [stiffness, *places]), {})
+    return Built(ForceLaw(NESTED, [stiffness, *places]), {})
 
 
 @reporting("Marko and Siggia, Macromolecules 28 (1995) 8759: a worm-like chain")
 def worm_like_chain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The force of a bent chain, straight at 1.1 to 1.4 travels, less its first stiffness."""
     length = rng.uniform(1.1, 1.4) * conditions.travel
-    whole = worm_force(np.array([1.0, length, conditions.bottom]), conditions.top)
+    whole = WORM.static([1.0, length, conditions.bottom], conditions.top)
     constants = [conditions.device_forces(size) / whole, length, conditions.bottom]
-    return Built(ForceLaw(forces.WORM, constants), {})
+    return Built(ForceLaw(WORM, constants), {})
 
 
 @reporting(
@@ -42,7 +43,7 @@ def filler_network(size: float, conditions: Conditions, rng: Generator) -> Built
     both = breaking + joining
     lost = size / (breaking / both * -np.expm1(-both))
     constants = [conditions.stiffness, lost, path, joined * conditions.duration]
-    return Built(ForceLaw(forces.FILLER, constants), {})
+    return Built(ForceLaw(FILLER, constants), {})
 
 
 @tuning("Weibull, J. Appl. Mech. 18 (1951) 293: strands of a rope that break one after the other")
@@ -55,7 +56,7 @@ def breaking_strands(size: float, conditions: Conditions, rng: Generator) -> Bui
         conditions.stiffness, size, max(conditions.full_cycles, 1.0), rng.uniform(2.0, 4.0),
         0.1 * conditions.travel, conditions.travel, float(damage.WEIBULL), rng.uniform(0.4, 0.8),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CYCLES, constants), {})
+    return Built(ForceLaw(CYCLES, constants), {})
 
 
 @reporting("Manson and Halford, Int. J. Fract. 17 (1981) 169: slow damage, then quick damage")
@@ -68,7 +69,7 @@ def two_phases(size: float, conditions: Conditions, rng: Generator) -> Built:
         conditions.stiffness, size, max(conditions.full_cycles, 1.0), rng.uniform(0.3, 0.7),
         0.1 * conditions.travel, conditions.travel, float(damage.PHASES), rng.uniform(0.1, 0.25),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CYCLES, constants), {})
+    return Built(ForceLaw(CYCLES, constants), {})
 
 
 @reporting(
@@ -83,7 +84,7 @@ def rubbing_absorber(size: float, conditions: Conditions, rng: Generator) -> Bui
     constants = [
         mass, spring, 0.02 * mass * angular, dry, 0.01 * angular * conditions.travel
     ]  # fmt: skip
-    law = ForceLaw(forces.RUBBING, constants, [conditions.rest])
+    law = ForceLaw(RUBBING, constants, [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -103,5 +104,5 @@ def three_elements(size: float, conditions: Conditions, rng: Generator) -> Built
     constants = [
         spring / angular**2, spring, share * spring, share * spring * relaxed / angular
     ]  # fmt: skip
-    law = ForceLaw(forces.THREE_ELEMENTS, constants, [conditions.rest])
+    law = ForceLaw(THREE_ELEMENTS, constants, [conditions.rest])
     return Built(law, {"frequency": frequency})
