@@ -37,9 +37,10 @@ from dea.plant.force_laws.friction import (
     bristle_force,
     carry_bristle,
 )
-from dea.plant.force_laws.hysteresis import BOUC_WEN, DUHEM, MASING, PREISACH, SLIDERS
+from dea.plant.force_laws.hysteresis import BOUC_WEN, DUHEM, SLIDERS
 from dea.plant.force_laws.in_time import FORCE_COURSE, PULSES, STIFFNESS_COURSE
 from dea.plant.force_laws.mode import COLUMN, MODE, TWINS
+from dea.plant.force_laws.reversals import MASING, PREISACH
 from dea.plant.force_laws.viscoelastic import EYRING, QUASI_LINEAR, SPECTRUM
 from dea.plant.forces import WIDTH, ForceLaw, stack, total_force, update_memory
 

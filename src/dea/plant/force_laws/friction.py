@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
-from dea.plant.force_laws.kernels import remembered_force
+from dea.plant.force_laws.kernels import remembered_force, sliding_force
 from dea.plant.force_laws.kind import Kind
 
 
@@ -56,8 +56,7 @@ def stribeck_friction(c: Array, m: Array, y: float, v: float) -> float:
     B. Armstrong-Hélouvry et al., Automatica 30 (1994) 1083. c: sliding and static force, Stribeck
     speed, speed of regularisation.
     """
-    force: float = (c[0] + (c[1] - c[0]) * np.exp(-abs(v) / c[2])) * v / np.hypot(v, c[3])
-    return force
+    return sliding_force(c[0] + (c[1] - c[0]) * np.exp(-abs(v) / c[2]), v, c[3])
 
 
 STRIBECK = Kind(stribeck_friction)
@@ -85,8 +84,7 @@ def ageing_friction(c: Array, m: Array, y: float, v: float) -> float:
     J. H. Dieterich, J. Geophys. Res. 84 (1979) 2161. c: force of new contacts, growth, time of the
     logarithm, length of slip that renews the contacts, speed of regularisation.
     """
-    force: float = c[0] * (1.0 + c[1] * np.log1p(m[0] / c[2])) * v / np.hypot(v, c[4])
-    return force
+    return sliding_force(c[0] * (1.0 + c[1] * np.log1p(m[0] / c[2])), v, c[4])
 
 
 @njit(cache=True, error_model="numpy")
@@ -99,14 +97,20 @@ AGEING = Kind(ageing_friction, carry_age)
 
 
 @njit(cache=True, error_model="numpy")
+def _load(c: Array, y: float) -> float:
+    """Return a load c[0] at the place c[2] that grows by c[1] with the place, and never pulls."""
+    load: float = max(c[0] + c[1] * (y - c[2]), 0.0)
+    return load
+
+
+@njit(cache=True, error_model="numpy")
 def bearing_friction(c: Array, m: Array, y: float, v: float) -> float:
     """Return friction in proportion to a load that grows with the place.
 
     T. A. Harris, Rolling Bearing Analysis, 2001. c: force at the place c[2], its growth with the
     place beyond, speed of regularisation.
     """
-    force: float = max(c[0] + c[1] * (y - c[2]), 0.0) * v / np.hypot(v, c[3])
-    return force
+    return sliding_force(_load(c, y), v, c[3])
 
 
 BEARING = Kind(bearing_friction)
@@ -119,8 +123,7 @@ def lorentzian_friction(c: Array, m: Array, y: float, v: float) -> float:
     D. P. Hess and A. Soom, J. Tribol. 112 (1990) 147.
     """
     ratio = v / c[2]
-    force: float = (c[0] + (c[1] - c[0]) / (1.0 + ratio * ratio)) * v / np.hypot(v, c[3])
-    return force
+    return sliding_force(c[0] + (c[1] - c[0]) / (1.0 + ratio * ratio), v, c[3])
 
 
 LORENTZIAN = Kind(lorentzian_friction)
@@ -132,8 +135,7 @@ def running_in_friction(c: Array, m: Array, y: float, v: float) -> float:
 
     P. J. Blau, Tribol. Int. 38 (2005) 1007. c[3]: speed of regularisation.
     """
-    force: float = c[0] * (1.0 + c[1] * np.expm1(-m[0] / c[2])) * v / np.hypot(v, c[3])
-    return force
+    return sliding_force(c[0] * (1.0 + c[1] * np.expm1(-m[0] / c[2])), v, c[3])
 
 
 @njit(cache=True, error_model="numpy")
@@ -152,8 +154,7 @@ def belt_friction(c: Array, m: Array, y: float, v: float) -> float:
     J. L. Meriam and L. G. Kraige, Engineering Mechanics: Statics, 2007. c: load at the place c[2],
     its growth with the place beyond, coefficient of friction times angle, speed of regularisation.
     """
-    load = max(c[0] + c[1] * (y - c[2]), 0.0)
-    force: float = load * np.expm1(c[3] * v / np.hypot(v, c[4]))
+    force: float = _load(c, y) * np.expm1(sliding_force(c[3], v, c[4]))
     return force
 
 
@@ -168,8 +169,7 @@ def uneven_friction(c: Array, m: Array, y: float, v: float) -> float:
     regularisation.
     """
     uneven = 1.0 + c[1] * np.sin(2.0 * np.pi * y / c[2] + c[3])
-    force: float = c[0] * uneven * v / np.hypot(v, c[4])
-    return force
+    return sliding_force(c[0] * uneven, v, c[4])
 
 
 UNEVEN = Kind(uneven_friction)
@@ -202,8 +202,7 @@ def fading_friction(c: Array, m: Array, y: float, v: float) -> float:
 
     T. P. Newcomb and R. T. Spurr, Braking of Road Vehicles, 1967. c[4]: speed of regularisation.
     """
-    force: float = c[0] * (1.0 - c[1] * m[0] / (1.0 + m[0])) * v / np.hypot(v, c[4])
-    return force
+    return sliding_force(c[0] * (1.0 - c[1] * m[0] / (1.0 + m[0])), v, c[4])
 
 
 @njit(cache=True, error_model="numpy")

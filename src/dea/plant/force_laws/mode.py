@@ -5,13 +5,29 @@ are of second order in the motion of the first mass (G. Strang, SIAM J. Numer. A
 where each turn is: the second mass takes a midpoint step.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kernels import sliding_force
 from dea.plant.force_laws.kind import Kind
 
 HARDENING, PENDULUM, BILINEAR = 0.0, 1.0, 2.0
+
+
+# Inlined, since numba does not cache a function that hands another one on.
+@njit(error_model="numpy", inline="always")
+def _carry_mass(
+    pull: Callable[[Array, Array, float, float], float],
+    c: Array, m: Array, y: float, v: float, dt: float,
+) -> None:  # fmt: skip
+    """Carry a mass c[0] under a force of its own place m[0] and velocity m[1] over a sub-step."""
+    place, speed = m[0], m[1]
+    for ahead in (0.5 * dt, dt):
+        push = pull(c, m, y, v) / c[0]
+        m[0], m[1] = place + ahead * m[1], speed + ahead * push
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,15 +57,29 @@ def mode_force(c: Array, m: Array, y: float, v: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def _grounded(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force on the second mass, which a dashpot c[3] ties to the ground."""
+    value: float = mode_force(c, m, y, v) - c[3] * m[1]
+    return value
+
+
+@njit(cache=True, error_model="numpy")
 def carry_mode(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the second mass over a sub-step."""
-    place, speed = m[0], m[1]
-    for ahead in (0.5 * dt, dt):
-        push = (mode_force(c, m, y, v) - c[3] * m[1]) / c[0]
-        m[0], m[1] = place + ahead * m[1], speed + ahead * push
+    _carry_mass(_grounded, c, m, y, v, dt)
 
 
 MODE = Kind(mode_force, carry_mode)
+
+
+@njit(cache=True, error_model="numpy")
+def linked_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of a mass c[0] on a spring c[1] and a dashpot c[2].
+
+    m: place and velocity of the mass.
+    """
+    value: float = c[1] * (y - m[0]) + c[2] * (v - m[1])
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -60,27 +90,17 @@ def column_force(c: Array, m: Array, y: float, v: float) -> float:
     Buildings (1989) 926.
     """
     w = v - m[1]
-    value: float = c[1] * (y - m[0]) + c[2] * w + c[3] * w * abs(w)
+    value: float = linked_force(c, m, y, v) + c[3] * w * abs(w)
     return value
 
 
 @njit(cache=True, error_model="numpy")
 def carry_column(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the mass over a sub-step."""
-    place, speed = m[0], m[1]
-    for ahead in (0.5 * dt, dt):
-        push = column_force(c, m, y, v) / c[0]
-        m[0], m[1] = place + ahead * m[1], speed + ahead * push
+    _carry_mass(column_force, c, m, y, v, dt)
 
 
 COLUMN = Kind(column_force, carry_column)
-
-
-@njit(cache=True, error_model="numpy")
-def _twin(c: Array, m: Array, i: int, y: float, v: float) -> float:
-    """Return the force of the mass ``i``."""
-    value: float = c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
-    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -89,46 +109,35 @@ def twin_force(c: Array, m: Array, y: float, v: float) -> float:
 
     T. Igusa and K. Xu, J. Sound Vib. 175 (1994) 491. m: place and velocity of each.
     """
-    value: float = _twin(c, m, 0, y, v) + _twin(c, m, 1, y, v)
-    return value
+    return linked_force(c, m, y, v) + linked_force(c[3:], m[2:], y, v)
 
 
 @njit(cache=True, error_model="numpy")
 def carry_twins(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry both masses over a sub-step."""
-    for i in range(2):
-        place, speed = m[2 * i], m[2 * i + 1]
-        for ahead in (0.5 * dt, dt):
-            push = _twin(c, m, i, y, v) / c[3 * i]
-            m[2 * i], m[2 * i + 1] = place + ahead * m[2 * i + 1], speed + ahead * push
+    _carry_mass(linked_force, c, m, y, v, dt)
+    _carry_mass(linked_force, c[3:], m[2:], y, v, dt)
 
 
 TWINS = Kind(twin_force, carry_twins)
 
 
 @njit(cache=True, error_model="numpy")
-def series_force(c: Array, m: Array, y: float, v: float) -> float:
-    """Return the force of a mass that carries another; mass, spring and dashpot of each in c.
+def carry_series(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry a mass and another that it carries; mass, spring and dashpot of each in c.
 
     L. Zuo, J. Vib. Acoust. 131 (2009) 031003. m: place and velocity of each.
     """
-    value: float = _twin(c, m, 0, y, v)
-    return value
-
-
-@njit(cache=True, error_model="numpy")
-def carry_series(c: Array, m: Array, y: float, v: float, dt: float) -> None:
-    """Carry both masses over a sub-step."""
     place, speed, carried, its_speed = m[0], m[1], m[2], m[3]
     for ahead in (0.5 * dt, dt):
-        between = _twin(c, m, 1, m[0], m[1])
-        push = (_twin(c, m, 0, y, v) - between) / c[0]
+        between = linked_force(c[3:], m[2:], m[0], m[1])
+        push = (linked_force(c, m, y, v) - between) / c[0]
         pulled = between / c[3]
         m[0], m[2] = place + ahead * m[1], carried + ahead * m[3]
         m[1], m[3] = speed + ahead * push, its_speed + ahead * pulled
 
 
-SERIES = Kind(series_force, carry_series)
+SERIES = Kind(linked_force, carry_series)
 
 
 @njit(cache=True, error_model="numpy")
@@ -138,18 +147,13 @@ def rubbing_force(c: Array, m: Array, y: float, v: float) -> float:
     F. Ricciardelli and B. J. Vickery, Earthq. Eng. Struct. Dyn. 28 (1999) 685. c[4]: speed of
     regularisation; m: place and velocity of the mass.
     """
-    w = v - m[1]
-    value: float = c[1] * (y - m[0]) + c[2] * w + c[3] * w / np.hypot(w, c[4])
-    return value
+    return linked_force(c, m, y, v) + sliding_force(c[3], v - m[1], c[4])
 
 
 @njit(cache=True, error_model="numpy")
 def carry_rubbing(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the mass over a sub-step."""
-    place, speed = m[0], m[1]
-    for ahead in (0.5 * dt, dt):
-        push = rubbing_force(c, m, y, v) / c[0]
-        m[0], m[1] = place + ahead * m[1], speed + ahead * push
+    _carry_mass(rubbing_force, c, m, y, v, dt)
 
 
 RUBBING = Kind(rubbing_force, carry_rubbing)

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.arrays import Array
+from dea.plant.force_laws.kernels import elements_force, relax_elements
 from dea.plant.force_laws.kind import Kind
 
 
@@ -13,17 +14,13 @@ def spectrum_force(c: Array, m: Array, y: float, v: float) -> float:
 
     The memory holds the dashpots' places; a share is what a dashpot relaxes in a sub-step.
     """
-    force = 0.0
-    for i in range(int(c[0])):
-        force += c[1 + 2 * i] * (y - m[i])
-    return force
+    return elements_force(c[1:], m[: int(c[0])], y)
 
 
 @njit(cache=True, error_model="numpy")
 def carry_spectrum(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Relax every dashpot over a sub-step at a held place, exactly."""
-    for i in range(int(c[0])):
-        m[i] += c[2 + 2 * i] * (y - m[i])
+    relax_elements(c[1:], m[: int(c[0])], y)
 
 
 SPECTRUM = Kind(spectrum_force, carry_spectrum)
@@ -80,18 +77,13 @@ def quasi_linear_force(c: Array, m: Array, y: float, v: float) -> float:
     Y. C. Fung, in Biomechanics: Its Foundations and Objectives, 1972. (Stiffness, share) pairs
     follow the constants of the response; m: what every element has relaxed.
     """
-    force, response = 0.0, _elastic(c, y)
-    for i in range(int(c[0])):
-        force += c[3 + 2 * i] * (response - m[i])
-    return force
+    return elements_force(c[3:], m[: int(c[0])], _elastic(c, y))
 
 
 @njit(cache=True, error_model="numpy")
 def carry_quasi_linear(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Relax every element over a sub-step at a held place, exactly."""
-    response = _elastic(c, y)
-    for i in range(int(c[0])):
-        m[i] += c[4 + 2 * i] * (response - m[i])
+    relax_elements(c[3:], m[: int(c[0])], _elastic(c, y))
 
 
 QUASI_LINEAR = Kind(quasi_linear_force, carry_quasi_linear)
@@ -112,10 +104,7 @@ REPTATION = Kind(flowing_force, carry_reptation)
 @njit(cache=True, error_model="numpy")
 def free_volume_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of c[0] elements; (stiffness, share of a sub-step) pairs follow c[3]."""
-    force = 0.0
-    for i in range(int(c[0])):
-        force += c[4 + 2 * i] * (y - m[i])
-    return force
+    return elements_force(c[4:], m[: int(c[0])], y)
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,8 +6,9 @@ from numpy.random import Generator
 from dea.arrays import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.force_laws import in_time
-from dea.plant.force_laws.hysteresis import BOUC_WEN, DUHEM, FLAG, MAGNET, MASING, PREISACH, SLIDERS
+from dea.plant.force_laws.hysteresis import BOUC_WEN, DUHEM, FLAG, MAGNET, SLIDERS
 from dea.plant.force_laws.in_time import STIFFNESS_COURSE
+from dea.plant.force_laws.reversals import MASING, PREISACH
 from dea.plant.force_laws.viscoelastic import EYRING, NORTON, QUASI_LINEAR, REPTATION, SPECTRUM
 from dea.plant.forces import WIDTH, ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, tuning
