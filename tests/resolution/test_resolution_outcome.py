@@ -8,11 +8,10 @@ from made_outcomes import DRIFTING, knowledge, resolution_of
 
 from dea import store
 from dea.discrepancy import Reason, Rules, Settings, read_verdict
-from dea.resolution import ANOTHER, Options, ResolutionOutcome, resolution_dataset
+from dea.resolution import ANOTHER, Options, ResolutionOutcome, resolution_dataset, said
 from dea.resolution.knowledge import Inquiry
 from dea.resolution.posterior import Posterior
 from dea.resolution.weighing import _explanations, _offered, _parts, _prior, learnt
-from dea.stages.resolve import said
 
 
 @pytest.mark.parametrize(

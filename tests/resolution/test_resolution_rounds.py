@@ -20,6 +20,7 @@ from dea.resolution import (
     experiment_page,
     resolution_dataset,
     resolve,
+    said,
 )
 from dea.resolution.design import Question
 from dea.resolution.error import Error
@@ -27,7 +28,6 @@ from dea.resolution.knowledge import Inquiry
 from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.question import fresh_design, next_design
-from dea.stages.resolve import said
 from made_carriage import CARRIAGE
 
 pytestmark = pytest.mark.usefixtures("few_excitations")

@@ -21,9 +21,10 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.discrepancy import Samples, read_verdict
 from dea.errors import DeviceError, InputError
-from dea.resolution import CERTIFICATE, Design, ResolutionOutcome
+from dea.resolution import CERTIFICATE, Design, ResolutionOutcome, allowed_by_device
 from dea.simulation import catalogue, load_extended, load_simulation, measured_scales, prepared
-from dea.stages.resolve import Driven, _of_device, main, resolve
+from dea.stages.driven import Driven
+from dea.stages.resolve import main, resolve
 
 pytestmark = pytest.mark.usefixtures("few_excitations")
 
@@ -653,4 +654,4 @@ def test_the_smaller_of_the_rates_that_are_given_holds(source):
         asks = own.study.resolution.model_copy(update={"rate": asked})
         study = own.study.model_copy(update={"resolution": asks})
         device = replace(own.device, safety=SimpleNamespace(max_rate=allowed))
-        assert _of_device(study, device, record).rate == rate
+        assert allowed_by_device(study, device, record).rate == rate

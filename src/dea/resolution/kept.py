@@ -22,6 +22,9 @@ from dea.strict_json import as_json, from_json
 if TYPE_CHECKING:
     import xarray as xr
 
+# Files of what a round has found.
+_VERDICT, _SIMULATION, _POSTERIOR = "verdict.json", "extended_simulation.yaml", "posterior.json"
+
 
 @dataclass
 class Kept(ABC):
@@ -143,9 +146,9 @@ class Kept(ABC):
     def keep(self, found: ResolutionRound) -> None:
         """Write the verdict, its simulation and the probabilities after a round."""
         folder, known = self.folder_of(found.number), found.after
-        known.verdict.write(folder / "verdict.json")
+        known.verdict.write(folder / _VERDICT)
         fitted = known.diagnosis.nominal if known.withdrawn else known.diagnosis.final
-        save_simulation(known.diagnosis, fitted, folder / "extended_simulation.yaml")
+        save_simulation(known.diagnosis, fitted, folder / _SIMULATION)
         posterior = {
             name: {
                 "offered": float(np.exp(found.after.posterior.log_offered[name])),
@@ -155,7 +158,13 @@ class Kept(ABC):
             }
             for name, value in found.after.posterior.now.items()
         }
-        _write_json(folder / "posterior.json", posterior)
+        _write_json(folder / _POSTERIOR, posterior)
+
+    def withdraw(self) -> None:
+        """Remove what the rounds of an earlier run have found; its designs and records stay."""
+        for name in (_VERDICT, _POSTERIOR, _SIMULATION):
+            for file in self.folder.glob(f"*/{name}"):
+                file.unlink()
 
     def write_table(self, path: Path, u: np.ndarray) -> None:
         """Write an excitation in the units of the first record's input."""

@@ -3,32 +3,27 @@
 import argparse
 import hashlib
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
-from dea import acquisition, archive, modbus, resolution, seeds, store
+from dea import acquisition, modbus, resolution, store
 from dea.audit import withdraw
-from dea.configuration.acquisition import Actuator
-from dea.configuration.bench import BENCH, VirtualBench, read_bench, served_settings
-from dea.configuration.case import designed, is_designed, read_cases, simulation_of
+from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.case import is_designed, read_cases, simulation_of
 from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
-from dea.configuration.study import FILE, Study, check_study
+from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import InputError
 from dea.progress import heard_by, part_of
 from dea.provenance import RESULTS
-from dea.resolution import CERTIFICATE, ByHand, Kept, Limits, Options, Resolution, record_key
+from dea.resolution import CERTIFICATE, ByHand, Options, Resolution, record_key
 from dea.simulation import Simulation, files_read, load_simulation
-
-if TYPE_CHECKING:
-    import xarray as xr
+from dea.stages.driven import Driven
 
 CASES = Path("config/cases")
 
@@ -82,17 +77,17 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     }
     source: Driven | ByHand
     if device is not None:
-        limits = _of_device(study, device, records[0])
+        limits = resolution.allowed_by_device(study, device, records[0])
         asked["device"] = hashlib.sha256(device.described.encode()).hexdigest()
         source = Driven(
             folder, first, limits, asked, study, config, bench, actuators[name], device, operator
         )
     else:
-        limits = _of_records(study, records)
+        limits = resolution.allowed_by_records(study, records)
         source = ByHand(folder, first, limits, asked, further, case, CASES / f"{name}.yaml")
         source.check_keys()
     withdraw()
-    _withdraw_found(folder)
+    _withdraw_found(source)
     found = resolution.resolve(
         records, simulation, source, limits,
         settings=settings, options=options, workers=threads,
@@ -126,14 +121,13 @@ def _simulation(named: str) -> tuple[Simulation, dict[str, Any]]:
     return found, {"name": named, "files": {str(file): store.sha256(file) for file in files}}
 
 
-def _withdraw_found(folder: Path) -> None:
+def _withdraw_found(source: Driven | ByHand) -> None:
     """Remove what an earlier run has found, which one that fails must not leave as its own."""
-    of_round = ("verdict.json", "posterior.json", "extended_simulation.yaml")
-    found = ("resolution.nc", "probability.*", *(f"*/{name}" for name in of_round))
-    for pattern in found:
-        for file in folder.glob(pattern):
+    for pattern in ("resolution.nc", "probability.*"):
+        for file in source.folder.glob(pattern):
             file.unlink()
-    _tabulate(folder.parent)
+    source.withdraw()
+    _tabulate(source.folder.parent)
 
 
 def _draw(folder: Path, dots_per_inch: int) -> None:
@@ -169,145 +163,6 @@ def _no_such(name: str, known: Sequence[str]) -> InputError:
     )
 
 
-def _of_device(study: Study, device: modbus.Device, record: "xr.Dataset") -> Limits:
-    """Return what the excitations of the study, the device and its first record allow."""
-    own = _of_records(study, [record])
-    played = study.excitation.record
-    of_device = device.safety.max_rate if device.safety else None
-    given = [each for each in (study.resolution.rate, of_device) if each]
-    rate = min(given, default=own.rate)
-    return Limits(
-        played.low, played.high, rate, own.output_low, own.output_high, device.sampling_rate
-    )
-
-
-def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
-    """Return what the records of a device allow, at the rate of the study if it gives one."""
-    signals = [store.signals(record) for record in records]
-    return Limits.of(signals, study.resolution.output_margin, study.resolution.rate)
-
-
-@dataclass
-class Driven(Kept):
-    """An actuator that is driven over Modbus, virtual or not.
-
-    ``config`` is the text that the study was read from, ``bench`` the virtual actuators as they
-    were then.
-    """
-
-    study: Study
-    config: str
-    bench: VirtualBench
-    actuator: Actuator
-    device: modbus.Device
-    operator: str
-
-    def file(self, number: int) -> Path:
-        """Return the file of a record, beside its design."""
-        return self.folder_of(number) / "record.nc"
-
-    def recorded(self, number: int) -> bool:
-        """Return whether it has been driven."""
-        if self.file(number).exists():
-            return True
-        return not self.actuator.bench and bool(self._archived(self._settings(number)))
-
-    def record(self, number: int, u: np.ndarray) -> "xr.Dataset":
-        """Return the record of an excitation, which is driven where there is none yet."""
-        file = self.file(number)
-        if not file.exists():
-            acquisition.check_excitation(self.device, u)
-            (self._drive if self.actuator.bench else self._archive)(number, u, file)
-        return store.read_record(file)
-
-    def finish(self, found: Resolution) -> None:
-        """Leave nothing to be done by hand."""
-
-    def _settings(self, number: int) -> dict[str, Any]:
-        return {
-            "seed": self.study.seed,
-            "system": self.actuator.name,
-            "excitation_name": designed(number),
-            "excitation_sha256": store.sha256(self.folder_of(number) / "excitation.csv"),
-            "first_record": self.first_digest(),
-            "acquisition": written(self.study.acquisition),
-        }
-
-    def _drive(self, number: int, u: np.ndarray, file: Path) -> None:
-        """Drive a virtual actuator as the study does.
-
-        Raises
-        ------
-        InputError
-            As :func:`dea.stages.bench_process.as_planned`.
-        """
-        from dea.stages.bench_process import as_planned, bench_process
-        from dea.stages.driving import write
-
-        settings = self._settings(number)
-        job = seeds.generator(self.study.seed, self.actuator.name, settings["excitation_name"])
-        options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-        partial = file.with_name(".samples.partial")
-        served = str(self.actuator.bench)
-        planned = served_settings(written(self.study.bench), served, BENCH, self.bench)
-        with bench_process(
-            **as_planned(planned),
-            device=Path(self.actuator.device),
-            seed=int(job.integers(2**31)),
-        ) as answering:
-            acquired = acquisition.acquire(answering, u, partial, options)
-        files = {"link": file.with_name("link.nc"), "record": file}
-        write(acquired, files, settings, {"excitation": file.parent / "excitation.csv"})
-        partial.unlink()
-
-    def _archive(self, number: int, u: np.ndarray, file: Path) -> None:
-        """Drive hardware as `make record` does; a record that was kept before is taken."""
-        import xarray as xr
-
-        from dea.stages.driving import PlayedExcitation
-        from dea.stages.record import keep
-        from dea.stages.take_record import take_record
-
-        settings = self._settings(number)
-        kept = self._archived(settings)
-        played = PlayedExcitation(u, 0, xr.Dataset())
-        if kept:
-            folder = kept[-1]
-        else:
-            folder = keep(self.device, played, settings, self.operator, self.config)
-        take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
-
-    def _archived(self, settings: Mapping[str, Any]) -> list[Path]:
-        """Return the folders of the records that this excitation and first record led to."""
-        folders = archive.finished(self.actuator.name, settings["excitation_name"])
-        kept = [(folder, archive.manifest(folder)) for folder in folders]
-        return [
-            folder
-            for folder, content in kept
-            if archive.FAULT not in content
-            and content["settings"].get("excitation_sha256") == settings["excitation_sha256"]
-            and self.is_first(content["settings"].get("first_record"))
-        ]
-
-
-def said(name: str, found: Resolution) -> str:
-    """Return what a resolution found in a few lines."""
-    verdict, count = found.last.verdict, len(found.rounds)
-    records = f"{count} designed record{'s' * (count != 1)}"
-    lines = [
-        f"{name}: {verdict.sentence}",
-        f"{found.outcome}: {records}, {found.last.driven:g} s driven.",
-    ]
-    if found.certificate:
-        before, after = found.certificate.before, found.certificate.after
-        lines.append(f"On a fresh record: error {before:.3g} to {after:.3g} {verdict.unit}.")
-    if found.halted:
-        lines.append(found.halted)
-    if found.pending is not None:
-        lines.append(f"Next: {RESULTS / 'resolve' / name / 'next_experiment.md'}")
-    return "\n".join(lines)
-
-
 def _show(step: str) -> None:
     """Show the last step on a terminal."""
     if sys.stderr.isatty():
@@ -330,7 +185,7 @@ def main(arguments: list[str] | None = None) -> None:
                     found = resolve(name, options.operator, options.threads)
             finally:
                 _show("")
-            print(said(name, found))
+            print(resolution.said(name, found))
 
 
 if __name__ == "__main__":
