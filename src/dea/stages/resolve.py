@@ -6,16 +6,17 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dea import acquisition, modbus, resolution, store
 from dea.audit import withdraw
-from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import is_designed, read_cases, simulation_of
+from dea.configuration.acquisition import Actuator
+from dea.configuration.bench import BENCH, VirtualBench, read_bench
+from dea.configuration.case import Case, is_designed, read_cases, simulation_of
 from dea.configuration.files import read_text_and_yaml
 from dea.configuration.named_files import check_actuators
 from dea.configuration.problems import did_you_mean
-from dea.configuration.study import FILE, check_study
+from dea.configuration.study import FILE, Study, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import InputError
@@ -25,7 +26,44 @@ from dea.resolution import CERTIFICATE, ByHand, Options, Resolution, record_key
 from dea.simulation import Simulation, files_read, load_simulation
 from dea.stages.driven import Driven
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 CASES = Path("config/cases")
+
+
+class _Files(NamedTuple):
+    """Folder of a resolution, file of the first record, and folder of those handed in later."""
+
+    folder: Path
+    first: Path
+    further: Path
+
+
+class _Question(NamedTuple):
+    """The simulation that is asked about, and how.
+
+    ``leaves`` are those of the configuration that shape the answer, ``follows_from`` what the
+    designs follow from besides limits and records.
+    """
+
+    leaves: dict[str, Any]
+    simulation: Simulation
+    settings: Settings
+    options: Options
+    follows_from: dict[str, Any]
+
+
+class _System(NamedTuple):
+    """An actuator or case: its question, its records, and the source of designed ones.
+
+    ``given`` are the files of the records after the first.
+    """
+
+    question: _Question
+    records: "list[xr.Dataset]"
+    given: dict[str, Path]
+    source: Driven | ByHand
 
 
 def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> Resolution:
@@ -43,74 +81,91 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     check_actuators(study, list(bench.actuators), BENCH)
     cases = {file.stem: case for file, case in read_cases(CASES, study).items()}
     actuators = {actuator.name: actuator for actuator in study.actuators}
-    folder, further = results / "resolve" / name, results / name / "further"
-    first = results / name / "record.nc"
     if name not in actuators and name not in cases:
         raise _no_such(name, [*actuators, *cases])
+    first = results / name / "record.nc"
     if not first.exists():
         raise InputError("there is no record", file=first, remedy=f"Make it: make {first}")
-    device = modbus.read_device(Path(actuators[name].device)) if name in actuators else None
-    if device is not None and actuators[name].bench is None:
+    files = _Files(results / "resolve" / name, first, first.with_name("further"))
+    system = (
+        _of_actuator(actuators[name], files, study, config, bench, operator)
+        if name in actuators
+        else _of_case(name, cases[name], files, study)
+    )
+    withdraw()
+    _withdraw_found(system.source)
+    question = system.question
+    found = resolution.resolve(
+        system.records, question.simulation, system.source, system.source.limits,
+        settings=question.settings, options=question.options, workers=threads,
+    )  # fmt: skip
+    # First of all: a page that is left from before may ask for an excitation that no limit allows.
+    system.source.finish(found)
+    _write(found, name, system)
+    _draw(files.folder, study.figures.resolution)
+    _tabulate(files.folder.parent)
+    return found
+
+
+def _of_actuator(
+    actuator: Actuator,
+    files: _Files,
+    study: Study,
+    config: str,
+    bench: VirtualBench,
+    operator: str,
+) -> _System:
+    device = modbus.read_device(Path(actuator.device))
+    if actuator.bench is None:
         acquisition.refuse_unarmed(device, operator or study.acquisition.armed_by)
-    records = [store.read_record(first).isel(time=slice(study.resolution.first))]
-    leaves = written(study) | {"system": name, "split": {}}
-    named = study.discrepancy.simulation
-    given: list[str] = []
+    record = _first_record(files, study)
+    question = _question(study, actuator.name, study.discrepancy.simulation, {})
+    described = hashlib.sha256(device.described.encode()).hexdigest()
+    source = Driven(
+        files.folder, files.first, resolution.allowed_by_device(study, device, record),
+        question.follows_from | {"device": described},
+        study, config, bench, actuator, device, operator,
+    )  # fmt: skip
+    return _System(question, [record], {}, source)
+
+
+def _of_case(name: str, case: Case, files: _Files, study: Study) -> _System:
+    record, case_file = _first_record(files, study), CASES / f"{name}.yaml"
+    named = simulation_of(case, case_file)
+    keys = [key for key in case.records if not is_designed(key)]
+    given = {key: files.further / f"{key}.nc" for key in keys}
+    records = [record, *map(store.read_record, given.values())]
+    question = _question(study, name, named, written(case.split) if case.split else {})
+    source = ByHand(
+        files.folder, files.first, resolution.allowed_by_records(study, records),
+        question.follows_from, files.further, case, case_file,
+    )  # fmt: skip
+    source.check_keys()
+    return _System(question, records, given, source)
+
+
+def _first_record(files: _Files, study: Study) -> "xr.Dataset":
+    """Return the part of the first record that is begun from."""
+    return store.read_record(files.first).isel(time=slice(study.resolution.first))
+
+
+def _question(study: Study, name: str, simulation: str, split: dict[str, Any]) -> _Question:
+    """Return what is asked of the actuator or case ``name``, by the ``split`` of a case."""
+    leaves = written(study) | {"system": name, "split": split}
     options = Options(
         study.resolution.records,
         study.resolution.duration,
         study.resolution.level,
         study.resolution.another,
     )
-    if device is None:
-        case = cases[name]
-        named = simulation_of(case, CASES / f"{name}.yaml")
-        leaves["split"] = written(case.split) if case.split else {}
-        given = [key for key in case.records if not is_designed(key)]
-        records += [store.read_record(further / f"{key}.nc") for key in given]
-    simulation, files = _simulation(named)
+    loaded, files = _simulation(simulation)
     settings = Settings.of(leaves)
-    asked: dict[str, Any] = {
+    follows_from = {
         "options": asdict(options),
         "settings": asdict(settings),
         "simulation": files,
     }
-    source: Driven | ByHand
-    if device is not None:
-        limits = resolution.allowed_by_device(study, device, records[0])
-        asked["device"] = hashlib.sha256(device.described.encode()).hexdigest()
-        source = Driven(
-            folder, first, limits, asked, study, config, bench, actuators[name], device, operator
-        )
-    else:
-        limits = resolution.allowed_by_records(study, records)
-        source = ByHand(folder, first, limits, asked, further, case, CASES / f"{name}.yaml")
-        source.check_keys()
-    withdraw()
-    _withdraw_found(source)
-    found = resolution.resolve(
-        records, simulation, source, limits,
-        settings=settings, options=options, workers=threads,
-    )  # fmt: skip
-    # First of all: a page that is left from before may ask for an excitation that no limit allows.
-    source.finish(found)
-    driven = [each.number for each in found.rounds]
-    driven += [CERTIFICATE] if found.certificate else []
-    store.write(
-        resolution.resolution_dataset(found, options.level),
-        folder / "resolution.nc",
-        title=f"Explanations of {name}, round by round",
-        inputs={
-            "record": first,
-            **{key: further / f"{key}.nc" for key in given},
-            **{record_key(number): source.file(number) for number in driven},
-        },
-        settings=leaves,
-        seed=study.seed,
-    )
-    _draw(folder, study.figures.resolution)
-    _tabulate(folder.parent)
-    return found
+    return _Question(leaves, loaded, settings, options, follows_from)
 
 
 def _simulation(named: str) -> tuple[Simulation, dict[str, Any]]:
@@ -128,6 +183,25 @@ def _withdraw_found(source: Driven | ByHand) -> None:
             file.unlink()
     source.withdraw()
     _tabulate(source.folder.parent)
+
+
+def _write(found: Resolution, name: str, system: _System) -> None:
+    """Write the dataset, with every record that it rests on."""
+    question, source = system.question, system.source
+    driven = [each.number for each in found.rounds]
+    driven += [CERTIFICATE] if found.certificate else []
+    store.write(
+        resolution.resolution_dataset(found, question.options.level),
+        source.folder / "resolution.nc",
+        title=f"Explanations of {name}, round by round",
+        inputs={
+            "record": source.first,
+            **system.given,
+            **{record_key(number): source.file(number) for number in driven},
+        },
+        settings=question.leaves,
+        seed=question.settings.seed,
+    )
 
 
 def _draw(folder: Path, dots_per_inch: int) -> None:
