@@ -12,6 +12,8 @@ from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
+from dea.control import ControlScheme, Followed, control_dataset
+from dea.control.datasets import _by_minute
 from dea.errors import InputError
 from dea.figures.control import control as drawn
 from dea.narx import estimate, refine
@@ -99,13 +101,13 @@ def test_minutes_count_from_the_beginning_and_the_last_ends_with_the_reference(s
     error = np.random.default_rng(8).standard_normal((2, round(seconds * RATE)))
     minutes = [error[:, round(s * RATE) : round((s + 60) * RATE)] for s in starts]
     expected = np.transpose([np.sqrt(np.mean(part**2, axis=1)) for part in minutes])
-    np.testing.assert_allclose(stage._by_minute(error, RATE), expected)
+    np.testing.assert_allclose(_by_minute(error, RATE), expected)
 
 
 @pytest.mark.parametrize("rate", [33.33528, 33.335])
 def test_a_rate_that_gives_no_whole_number_of_samples_adds_no_minute(rate):
     error = np.ones((1, round(1800 * rate)))
-    assert stage._by_minute(error, rate).shape == (1, 30)
+    assert _by_minute(error, rate).shape == (1, 30)
 
 
 def test_the_first_minute_of_the_table_is_the_one_that_the_figure_draws():
@@ -120,8 +122,8 @@ def test_the_first_minute_of_the_table_is_the_one_that_the_figure_draws():
             "quality": ("time", np.zeros(50 + size)),
         }
     )
-    found = {"PI": stage.Followed(record, task.reference, "to the end", 0, stage.ControlScheme())}
-    dataset = stage._dataset(found, design, "V", "mm")
+    found = {"PI": Followed(record, task.reference, "to the end", 0, ControlScheme())}
+    dataset = control_dataset(found, design, "V", "mm")
     (row,) = tabulated({"dea1": dataset}).exact.to_dict("records")
     for word, axes in zip(("first", "last"), drawn(dataset).axes, strict=False):
         line = next(line for line in axes.lines if line.get_label() == "measured")

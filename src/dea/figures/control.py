@@ -8,7 +8,7 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.store import Sources
+from dea.store import MINUTE, Sources
 
 
 def draw(sources: Sources) -> Figure:
@@ -24,7 +24,7 @@ def control(dataset: xr.Dataset) -> Figure:
     (first, last), (voltage, errors) = figure.subplots(2, 2)
     time = dataset["time"].values
     best = dataset.isel(controller=0)
-    minute = time <= time[0] + style.MINUTE, time >= time[-1] - style.MINUTE
+    minute = time <= time[0] + MINUTE, time >= time[-1] - MINUTE
     for ax, inside, word in zip((first, last), minute, ("first", "last"), strict=True):
         _followed(ax, best, inside, f"{word} minute: {best['controller'].item()}")
     voltage.plot(time[minute[1]], best["voltage"].values[minute[1]], color=style.BLACK, lw=0.7)

@@ -25,14 +25,13 @@ from numpy.typing import NDArray
 
 from dea.figures.lettering import told_apart
 from dea.provenance import current_job
-from dea.store import atomic
+from dea.store import MINUTE, atomic
 
 # A page of the journal, mm.
 SINGLE_COLUMN = 84.0
 FULL_WIDTH = 174.0
 PAGE_HEIGHT = 230.0
 _MM_PER_INCH = 25.4
-MINUTE = 60.0  # s
 _LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
 _DENSE, _THINNEST = 4000, 0.2  # samples of a line of one point across a page; points

@@ -2,7 +2,7 @@
 
 from dea.atomic_file import atomic
 from dea.checksum import sha256
-from dea.store.contracts import CONTRACTS, Contract, Variable
+from dea.store.contracts import CONTRACTS, MINUTE, Contract, Variable
 from dea.store.described import Described, complex_parts, variable
 from dea.store.files import read, write
 from dea.store.foreign import import_record
@@ -37,6 +37,7 @@ from dea.store.sources import Sources
 
 __all__ = [
     "CONTRACTS",
+    "MINUTE",
     "Contract",
     "Described",
     "ForeignTable",

@@ -7,6 +7,9 @@ from pathlib import Path
 import xarray as xr
 
 from dea.errors import InputError
+from dea.units import SECONDS
+
+MINUTE = SECONDS["min"]  # s of a `minute` of a dataset
 
 
 @dataclass(frozen=True)
