@@ -11,7 +11,10 @@ from dea.acquisition import AcquisitionSettings
 from dea.acquisition import guardian as guardians
 from dea.acquisition.closed_loop import ControllerError
 from dea.acquisition.drive_job import DriveJob
+from dea.acquisition.duty import Duty
 from dea.acquisition.guardian import Guardian
+from dea.acquisition.shared_file import SharedLock
+from dea.acquisition.standby import Standby
 from dea.acquisition.wire import Wire
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
@@ -29,7 +32,9 @@ def asking(monkeypatch):
         job = DriveJob(
             read_device(DESCRIPTION), settings, np.zeros(2), False, 1, Path("latch"), 0.0
         )
-        return Guardian(ends[-2], job, []), ends[-1]
+        lock, duty = SharedLock(Path("lock")), Duty(job.device)
+        duty.token = 0
+        return Guardian(Standby(ends[-2], job, []), lock, duty), ends[-1]
 
     yield start
     for end in ends:

@@ -16,30 +16,26 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
 
 from dea.acquisition import buffered, polled
-from dea.acquisition.alarm import Alarm
 from dea.acquisition.closed_loop import Asked, ControllerError
 from dea.acquisition.command_line import typed
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
-from dea.acquisition.first_trip import FirstTrip
 from dea.acquisition.latch import held, refuse_tripped
 from dea.acquisition.launch import serve_forks
 from dea.acquisition.laws import TripError
-from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import NotArmedError, Output, TakenError
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.retrying_link import (
     DeviceRefusedError,
-    Link,
     LinkError,
     StoppedError,
 )
 from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.shared_file import GLANCE, SharedLock
+from dea.acquisition.standby import Standby
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import WayToZero, ZeroEvidence
@@ -53,7 +49,6 @@ ANSWER_TIME = 1.0  # s that a controller may take for one sample
 WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 KEEPING = 1.0  # s between two looks at the files of its locks
-BEAT = 0.5  # s between two signs of life
 # s for which one that only takes the output to zero waits for a guardian that ends; one that
 # replaces another waits as long as it takes.
 TAKING_OVER = 5.0
@@ -77,21 +72,21 @@ def guard(wire: Wire) -> None:
             return
         wire.wait(1.0)
     job: DriveJob = messages[0][0]
-    guardian = Guardian(wire, job, messages[1:])
+    standby = Standby(wire, job, messages[1:])
     for number in STOP_SIGNALS:
-        signal.signal(number, guardian.note_signal)
+        signal.signal(number, standby.note_signal)
     for number in IGNORED_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     wire.post("started", os.getpid())
     waits = math.inf if job.replaces else GLANCE if job.counts.size else TAKING_OVER
-    patience, meanwhile = job.settings.patience, guardian.wait_for_locks
+    patience, meanwhile = job.settings.patience, standby.wait_for_locks
     while True:
         try:
             with (
                 endpoint_lock(job.device, waits, meanwhile) as lock,
                 Duty(job.device, waits=waits, meanwhile=meanwhile, patience=patience) as duty,
             ):
-                guardian.serve(lock, duty)
+                Guardian(standby, lock, duty).serve()
             break
         except InputError as error:
             wire.post("refused", packed(error))
@@ -114,41 +109,45 @@ def _deliver(wire: Wire, seconds: float) -> None:
 
 
 class Guardian:
-    """One job; :meth:`_check` says when it ends a drive for other reasons than the device's."""
+    """One job, with the locks of its output.
 
-    def __init__(self, wire: Wire, job: DriveJob, early: list[tuple[Any, ...]]) -> None:
-        self.wire, self.job, self.device = wire, job, job.device
-        self._early = early  # messages that came with the job
-        self.link = Link(job.device, job.settings, LinkLog(job.started))
-        self.alarm = Alarm(job.device.name)
-        self._signal: str | None = None
+    :meth:`_check` says when it ends a drive for other reasons than the device's.
+
+    Parameters
+    ----------
+    standby
+        What it had before it had the locks.
+    lock, duty
+        That of the endpoint and that of the output, both taken.
+    """
+
+    def __init__(self, standby: Standby, lock: SharedLock, duty: Duty) -> None:
+        self._standby, self.lock, self.duty = standby, lock, duty
+        self.wire, self.job, self.link = standby.wire, standby.job, standby.link
+        self.device = self.job.device
+        self._early = standby.early
         self._begun = False
-        self._looked = self._heard = self._locked = self._told = time.monotonic()
-        self._started = time.monotonic()
+        # By the monotonic clock; what the locks were waited for counts, too.
+        self._looked = self._heard = self._locked = standby.started
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
-        self._first_trip = FirstTrip(job.device, job.latch)
-
-    def note_signal(self, number: int, _frame: object) -> None:
-        """Note a signal that asks for zero; the next check acts on it."""
-        self._signal = signal.Signals(number).name
-
-    def serve(self, lock: SharedLock, duty: Duty) -> None:
-        """Drive the job's counts, then take the output to zero."""
-        self.lock, self.duty = lock, duty
-        self.link.check = self._alive
+        self._first_trip = standby.first_trip
         # Another guardian may have claimed the device while this one waited.
         duty.token = (duty.token if self.job.replaces else 0) or self.job.token or duty.token
         self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
+
+    def serve(self) -> None:
+        """Drive the job's counts, then take the output to zero."""
+        self.link.check = self._alive
         if not self.job.counts.size:
-            duty.clear_order()
+            self.duty.clear_order()
             if (trip := held(self.device)) is not None:  # of a guardian that ended too early
                 self._first_trip.latch(TripError(trip["reason"]), trip["time"])
             self._end_at_zero(self._last_known())
             return
         self._refuse_after_a_crash()
-        duty.clear_order()
+        self.duty.clear_order()
         try:
             # The guardian before may have kept one since the recorder looked.
             refuse_tripped(self.device)
@@ -186,31 +185,6 @@ class Guardian:
         # A read-back that has been found wrong is a trip where there is a safety model.
         laws = (TripError, ReadBackError) if self.device.safety else TripError
         self._first_trip.latch(error if isinstance(error, laws) else None)
-
-    def wait_for_locks(self) -> None:
-        """Give a sign of life, and raise the alarm where it takes long, without the locks.
-
-        Raises
-        ------
-        InputError
-            Where a signal has asked to end.
-        """
-        self._tell()
-        if self._signal is not None:
-            raise InputError(
-                f"the guardian was sent {self._signal} while it waited for its lock",
-                remedy=f"See what drives: `{typed('status', self.device)}`.",
-            )
-        if (
-            time.monotonic() - self._started > self.job.settings.reconnect_time
-            and self.job.replaces
-        ):
-            self._raise_alarm(
-                InputError(
-                    "another program has the lock of the output",
-                    remedy=f"End it, or see `{typed('status', self.device)}`",
-                )
-            )
 
     def _last_known(self) -> float | None:
         """Return what the guardian before asked for last, V, or None where nobody knows.
@@ -319,14 +293,14 @@ class Guardian:
             return
         self._looked = now
         self.duty.put(Phase.DRIVING, self._requested())
-        self._tell()
+        self._standby.tell()
         self._listen()
         if not self._keep_locks():
             raise StoppedError("another program has taken the output over")
         if self.wire.closed:
             raise StoppedError("the recorder has died")
-        if self._signal is not None:
-            raise StoppedError(f"the guardian was sent {self._signal}")
+        if (sent := self._standby.signal) is not None:
+            raise StoppedError(f"the guardian was sent {sent}")
         if self.duty.order != Order.NONE:
             raise StoppedError("somebody asked for zero")
         while self._posted and self._posted[0][0] <= self._kept:
@@ -338,13 +312,8 @@ class Guardian:
     def _alive(self) -> None:
         """Give a sign of life, to the recorder and to whoever looks at the notice."""
         self.duty.beat()
-        self._tell()
+        self._standby.tell()
         self._keep_locks()
-
-    def _tell(self) -> None:
-        if time.monotonic() - self._told > BEAT:
-            self._told = time.monotonic()
-            self.wire.post("beat")
 
     def _keep_locks(self) -> bool:
         """Return whether the output is this guardian's, whoever removes the files that say so."""
@@ -395,7 +364,7 @@ class Guardian:
                 self._first_trip.latch(way.trip)
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     with suppress(Exception):
-                        self._raise_alarm(error)
+                        self._standby.raise_alarm(error)
                         self.link.log.cut()  # nobody waits for it, and this may last for days
                     with suppress(Exception):  # which is what is left to do
                         self.output.laws.disarm()
@@ -426,18 +395,8 @@ class Guardian:
             time.sleep(RETRY)
             if time.monotonic() - begun > self.job.settings.reconnect_time:
                 why = self._first_trip.failure or "it hangs"
-                text = f"a trip ({trip}) is not kept yet: the disk does not take it ({why})."
-                if self.alarm(text):
-                    self.wire.post("alarm", text)
+                self._standby.sound(
+                    f"a trip ({trip}) is not kept yet: the disk does not take it ({why})."
+                )
                 if self.duty.order == Order.DISMISS:
                     return
-
-    def _raise_alarm(self, error: Exception) -> None:
-        watchdog = "watchdog_time" in self.device
-        text = f"the output could not be shown to be at zero ({error}). " + (
-            "The device's watchdog takes it to zero."
-            if watchdog
-            else "The device has no watchdog: switch the amplifier off."
-        )
-        if self.alarm(text):
-            self.wire.post("alarm", text)
