@@ -8,8 +8,8 @@ import pytest
 from made_conditions import CONDITIONS
 from numba import float64, njit
 
+from dea.by_address import address, called
 from dea.plant import force_laws
-from dea.plant.by_address import address, called
 from dea.plant.force_laws.kind import Kind
 from dea.plant.forces import ForceLaw, stack, total_force, update_memory
 from dea.plant.hidden import EFFECTS

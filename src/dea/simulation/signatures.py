@@ -14,6 +14,8 @@ from numba import float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.extending import intrinsic, typeof_impl
 
+from dea.by_address import address
+
 # Numba calls first-class functions experimental; without them each pair of a simulation and its
 # effects would be compiled.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
@@ -55,10 +57,7 @@ class FirstClass(types.WrapperAddressProtocol):
     def __init__(self, function: Any) -> None:
         self._function = function
         (self._signature,) = function.nopython_signatures
-        result = function.get_compile_result(self._signature)
-        self._address: int = result.library.get_pointer_to_function(
-            result.fndesc.llvm_cfunc_wrapper_name
-        )
+        self._address = address(function, self._signature)
         self.numba_type = types.FunctionType(self._signature)
 
     def __wrapper_address__(self) -> int:

@@ -10,8 +10,8 @@ import numpy as np
 from numba import float64, njit, types
 
 from dea.arrays import Array
+from dea.by_address import address, called
 from dea.plant.array import Values
-from dea.plant.by_address import address, called
 
 _ROW = types.Array(float64, 1, "C")
 _FORCE = float64(_ROW, _ROW, float64, float64)
