@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 import pytest
+
 from benchmarks import acquisition, discrepancy, identification, tracking
 from benchmarks.acquisition import Lateness, busy_core, punctuality
 from benchmarks.command_line import PeerError, peer, run
 from benchmarks.identification import CANDIDATES, Comparison, model_of
 from benchmarks.row import HEAD, Row, table, table_of_cases
 from benchmarks.timing import shortest
-
 from dea.errors import InputError
 from dea.narx import Orthogonal, nmse, select_terms
 from dea.tracking import recursive_least_squares

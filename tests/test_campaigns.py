@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+
 from benchmarks import (
     acquisition,
     calibration,
@@ -25,7 +26,6 @@ from benchmarks.command_line import run
 from benchmarks.coverage import __main__ as coverage
 from benchmarks.coverage import film
 from benchmarks.faults import __main__ as faults
-
 from dea.errors import InputError
 from dea.narx import load_published
 

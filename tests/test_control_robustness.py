@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from benchmarks import control_robustness
 from benchmarks.control_robustness import (
     AGED,
@@ -15,7 +16,6 @@ from benchmarks.control_robustness import (
     table,
     tried,
 )
-
 from dea.control import ControllerDesign, LostError, RunIn, Task
 from dea.narx import NarxModel, Scaling
 from dea.terms import Term

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from benchmarks.coverage import judged
 from benchmarks.coverage.campaign import Cell, Settings, run
 from benchmarks.coverage.plants import monomial, plants, simulate

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from benchmarks.coverage import film
 from benchmarks.coverage.film import BENCH, LINES, PERIOD, RATE, judge, truth
-
 from dea.plant import Rig, read_parameters
 from dea.plant.converter import Converter
 from dea.plant.film import Y, rest

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+
 from benchmarks.faults import laws
 from benchmarks.faults.campaign import Campaign
 from benchmarks.faults.client import Client, processes

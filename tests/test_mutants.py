@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from coverage import CoverageData
+
 from benchmarks.bars import progress_bars
 from benchmarks.mutants import campaign
 from benchmarks.mutants.campaign import Campaign, judged
@@ -17,8 +19,6 @@ from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select
 from benchmarks.mutants.syntax import statement
 from benchmarks.mutants.workplace import Workplace
-from coverage import CoverageData
-
 from dea.errors import InputError
 from written_files import write_files
 

@@ -1,9 +1,9 @@
 """A mass on a spring with a known force added, and tasks that are made of its records."""
 
 import numpy as np
-from benchmarks.naming.task import Posed
 from scipy.integrate import solve_ivp
 
+from benchmarks.naming.task import Posed
 from dea.discrepancy import Settings
 from dea.simulation import ForcePort, Parameter, Simulation, State
 from dea.store import Record

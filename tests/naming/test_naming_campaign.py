@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
 from benchmarks.naming import campaign, measured, trials
 from benchmarks.naming.__main__ import command, made_at, values
 from benchmarks.naming.campaign import Settings, of_trials
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import OURS
 from benchmarks.stored import commit
-
 from dea.errors import InputError
 
 ROOT = Path(__file__).parents[2]

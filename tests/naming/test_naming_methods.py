@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_tasks import STIFFNESS, pose, recorded
+from scipy.integrate import solve_ivp
+
 from benchmarks.naming.methods import REFERENCE, _grey_box, methods
 from benchmarks.naming.methods._library import CORRECTION, FOREIGN, Term, library
 from benchmarks.naming.methods._stlsq import stlsq
 from benchmarks.naming.methods.sindy import Discrepancy, Equation, run
-from made_tasks import STIFFNESS, pose, recorded
-from scipy.integrate import solve_ivp
-
 from dea.simulation import catalogue
 
 # Effects to choose from where it does not matter how many there are.

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from benchmarks.naming.measured import CASES, RECORDS
-from benchmarks.naming.methods import methods
 from made_tasks import posed
 
+from benchmarks.naming.measured import CASES, RECORDS
+from benchmarks.naming.methods import methods
 from dea.audit.quotations import value
 
 ROOT = Path(__file__).parents[2]

@@ -3,10 +3,10 @@
 from math import inf, nan
 
 import pytest
+
 from benchmarks.naming.campaign import Said, Tried
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import OURS, lower, rates, ratios, scored, table, table_of_answers
-
 from dea.trials import Label, wilson
 
 

@@ -4,9 +4,10 @@ import time
 
 import numpy as np
 import pytest
+from numba import njit
+
 from benchmarks.naming import shared
 from benchmarks.naming.shared import Shared
-from numba import njit
 
 
 @pytest.fixture

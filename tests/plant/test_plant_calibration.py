@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from benchmarks import calibration
 
+from benchmarks import calibration
 from dea.narx import load_published
 from dea.plant.film import rest
 from dea.plant.parameters import read_parameters

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from benchmarks.resolution import BENCH, FIRST, Film, kept, table, violated
 
+from benchmarks.resolution import BENCH, FIRST, Film, kept, table, violated
 from dea.plant import Use, draw_trial
 from dea.resolution import CERTIFICATE, Limits
 from dea.store import Record

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+
+import dea
 from benchmarks.coverage.judged import terms
 from benchmarks.coverage.plants import plants
 from benchmarks.coverage.records import generators, records
-
-import dea
 from dea.narx import NarxModel, Scaling, estimate, refine, simulate
 from dea.tracking import with_constant
 from dea.tracking.bands import LARGEST_CURVATURE, UNDETERMINED

@@ -1,9 +1,9 @@
 """What the documents quote of a campaign is what its scores and its jobs' times say."""
 
 import pytest
-from benchmarks.trials import counts, measured, together, with_one_more
 from made_trials import FAMILY, campaign
 
+from benchmarks.trials import counts, measured, together, with_one_more
 from dea import store
 from dea.trials import scores
 
