@@ -258,7 +258,8 @@ slow-tests: $(VENV)/installed ## tests of whole studies and diagnoses, and other
 # They wait for clocks more than they compute: two files at a time, beside all others, which leave
 # them the processor when they want it. A host that pauses a virtual machine for a tenth of a second
 # makes a sample late or lost, so that a failed one is run again; the summary names it.
-TIMED := tests/test_fault_campaign.py tests/acquisition tests/bench tests/test_example_controller.py
+TIMED := tests/benchmarks/test_fault_campaign.py tests/acquisition tests/bench \
+	tests/test_example_controller.py
 BY_FILE := --dist loadfile --no-loadscope-reorder
 QUICK := -m 'not slow and not campaign'
 

@@ -109,7 +109,7 @@ def judge_track(
     """Track the parameters of the plant's structure; ``true`` is (samples, terms).
 
     The true responses are those of the plant with the parameters of the instant, by the algebra
-    that probed responses confirm for plants at rest (tests/test_coverage.py).
+    that probed responses confirm for plants at rest (tests/benchmarks/test_coverage.py).
     """
     pairs = _pairs(kind)
     asked = (("H1", 1, FREQUENCIES[kind]), ("H2", 2, (pairs[:, 0], pairs[:, 1])))

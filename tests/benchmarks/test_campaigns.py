@@ -29,7 +29,7 @@ from benchmarks.faults import __main__ as faults
 from dea.errors import InputError
 from dea.narx import load_published
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def asked_by(command):
