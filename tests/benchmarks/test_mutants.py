@@ -22,7 +22,7 @@ from benchmarks.mutants.workplace import Workplace
 from dea.errors import InputError
 from written_files import write_files
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SOURCE = '''"""Adds 1 and 2."""
 from numba import njit
 
