@@ -60,6 +60,36 @@ def test_the_size_of_an_event_is_told_by_the_other_blocks(found):
     assert spread[names.index("step_fault.offset_step")] > 0.0
 
 
+def test_a_slope_that_a_limit_leaves_is_kept_where_one_block_alone_reaches_it():
+    """Its prior mean, which the others leave, says that the limit lets nothing through."""
+    rng = np.random.default_rng(4)
+    u = np.repeat(rng.uniform(-1, 1, SIZE // 25), 25)
+    parts = split(u, INTERVAL, 0.1)
+    block = np.flatnonzero(parts.fit)[:60]
+    u[block[10:40]] = 1.4
+    extended = prepared(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
+    plain = extended.simulate(extended.layout.prior_means, u, INTERVAL)
+    limit, slope = np.delete(plain, np.s_[block[0] : block[-1] + 60]).max(), 0.3
+    y = np.where(plain > limit, limit + slope * (plain - limit), plain)
+    y += NOISE * rng.standard_normal(SIZE)
+    problem = Problem(
+        u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
+    )
+    nominal = fit(problem, extended, np.zeros(extended.layout.free.size))
+    law = extended.attach(
+        catalogue()["output_saturation"], measured_scales(extended, nominal.values, problem)
+    )
+    own = {f"output_saturation.{name}": value for name, value in
+           {"upper_end": limit, "sharpness": 100.0, "remaining_slope": slope}.items()}  # fmt: skip
+    values = dict(zip(law.layout.names, law.layout.prior_means, strict=True)) | own
+    place = law.layout.coordinates(np.array(list(values.values())))
+    fitted = fit(problem, law, place, iterations=40)
+    [fold] = [each for each in folds(problem) if each[block[20]]]
+    held_out = HeldOut(problem).residual(fitted)
+    assert rmse(fitted.residual, fold) < 1.5 * NOISE
+    assert rmse(held_out, fold) < 2.0 * NOISE
+
+
 @pytest.fixture(scope="module")
 def drifting():
     """Return a problem with an input of three periods and a gain that drifts, and a fit of it."""

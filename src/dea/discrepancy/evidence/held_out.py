@@ -17,6 +17,9 @@ _BEYOND = 0.1
 # Longest block, as a part of its record, that is held out of an extension with a course in time:
 # about one piece of a drift's spline.
 _OF_A_COURSE = 0.1
+# Deviation of a coordinate by the other blocks, over that by all, from which the others hardly tell
+# it: by a ninth of the information.
+_UNTOLD = 3.0
 
 
 class HeldOut:
@@ -25,8 +28,10 @@ class HeldOut:
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters change so little that the Jacobian of the fit to all is used.
     The state at the start and the instant of an event keep their values of the fit to all, since
-    only the blocks that they lie in determine them. Distant blocks cannot predict a course in time:
-    where an extension has one, short blocks are held out and the course is interpolated.
+    only the blocks that they lie in determine them. So does any other parameter that the other
+    blocks hardly tell, such as the slope that a limit leaves, where it is reached in one block:
+    else its prior mean would be tested instead of the law. Distant blocks cannot predict a course
+    in time: where an extension has one, short blocks are held out and the course is interpolated.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -68,14 +73,13 @@ class HeldOut:
     def _cross_validated(self, fitted: Fit, short: bool) -> tuple[np.ndarray, np.ndarray]:
         result = fitted.residual.copy()
         estimates = []
-        untold = fitted.extended.layout.at_start | fitted.extended.layout.events
         for fold in folds(self._problem, fitted.records if short else ()):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
                 fitted.coordinates,
                 iterations=_ITERATIONS,
-                columns=Columns(held=untold, kept=fitted.jacobian),
+                columns=Columns(held=_untold(self._problem, fitted, fold), kept=fitted.jacobian),
             )
             result[fold] = again.residual[fold]
             estimates.append(again.coordinates)
@@ -84,6 +88,16 @@ class HeldOut:
 
 def _has_course(fitted: Fit) -> bool:
     return not transferable(fitted.extended)
+
+
+def _untold(problem: Problem, fitted: Fit, fold: np.ndarray) -> np.ndarray:
+    """Return the coordinates (k, bool) that the seen samples outside a ``fold`` do not tell."""
+    layout, seen = fitted.extended.layout, problem.seen
+    by_others, by_all = (
+        np.diag(fitted.covariance(samples, problem.noise**2)) for samples in (seen & ~fold, seen)
+    )
+    untold: np.ndarray = layout.at_start | layout.events | (by_others > _UNTOLD**2 * by_all)
+    return untold
 
 
 def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
