@@ -660,6 +660,24 @@ def test_a_second_effect_must_remove_half_of_what_is_left_where_it_was_not_fitte
     assert found.whole is whole
 
 
+@pytest.mark.parametrize(
+    ("course", "left", "adds"),
+    [
+        ("gain_drift", 1.2, True),
+        ("gain_drift", 1.4, False),
+        ("baseline_drift", 1.2, False),
+        ("sensor_lag", 1.2, False),
+    ],
+)
+def test_beside_a_course_in_time_an_effect_may_add_where_it_was_fitted(course, left, adds):
+    """Blocks left out show the error of the course alone: those of both are predicted alike."""
+    evidence, candidate = graded()
+    alone, pair = candidate(4.0, course), candidate(left, "dead_zone", course)
+    predicted = Predicted(evidence.problem, lambda _: candidate(5.0).fit.residual)
+    evidence = replace(evidence, held_out=predicted)
+    assert each_adds(evidence, pair, [pair, alone, candidate(6.0, "dead_zone")]) == adds
+
+
 @pytest.mark.parametrize(("left", "named"), [(1.2, "part"), (3.0, "pair")])
 def test_of_a_pair_that_the_evidence_leaves_a_part_must_leave_room(left, named):
     evidence, candidate = graded()

@@ -52,7 +52,9 @@ class Rules:
         most of that. One of the same family needs ``misfit``.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
-        right leaves a small structured residual, part of which almost any second law removes.
+        right leaves a small structured residual, part of which almost any second law removes. Also
+        the part that each of several effects must remove on the blocks fitted to where one is a
+        course in time of the device, and together they leave only noise.
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and the
         difference is significant. A rival to which the evidence leaves hardly any weight is beaten

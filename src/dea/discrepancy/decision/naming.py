@@ -9,6 +9,7 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of, same_class
 from dea.discrepancy.evidence.bootstrap import beaten
+from dea.discrepancy.evidence.certificate import has_course_of_reading
 from dea.discrepancy.evidence.colour import (
     follows_no_force,
     is_coloured_noise,
@@ -184,8 +185,7 @@ def _stands_alone(
     if any(stands_against(c) for c in pool if c.finished):
         return False
     # A drift or hum of a sensor is common: held-out blocks must show its course in time.
-    laws = [a.effect for a in surest.fit.extended.attached]
-    of_readings = any(law.only_reads and not law.transferable for law in laws)
+    of_readings = has_course_of_reading(surest.fit.extended)
     complete = before > rules.grow * stated and not rules.leaves_room(surest.rmse, before, stated)
     if complete and not of_readings:
         return borne_out(evidence, surest)

@@ -1,13 +1,13 @@
 """Which effects of an answer are certain, and whether each of several is needed."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from dea.discrepancy.decision.adequacy import share_of
-from dea.discrepancy.evidence.certificate import transferable
+from dea.discrepancy.evidence.certificate import has_course_of_reading, transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.fitting.candidates import Candidate, EffectSet
@@ -129,14 +129,15 @@ class _PartTests:
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
     """Return whether each of several effects removes much of what the others leave.
 
-    Blocks left out are used, because a second law can be fitted to the error of the first. If a set
-    without one of the effects was never fitted to the end, it is refitted from the chosen values.
+    Blocks left out are used, because a second law can be fitted to the error of the first. Where a
+    course in time of the device bends within them, its error hides what its partner adds: if both
+    together leave only noise, each may remove most of what the other leaves on the blocks fitted to
+    instead. If a set without one of the effects was never fitted to the end, it is refitted from
+    the chosen values.
     """
     if len(chosen.effects) == 1:
         return True
-
-    def left(fitted: Fit) -> float:
-        return misfit(evidence.held_out.rmse(fitted, chosen.fit), evidence.floor)
+    rules = evidence.rules
 
     def others(index: int) -> Fit:
         remaining = chosen.effects - {chosen.counted[index]}
@@ -144,5 +145,16 @@ def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) 
         best = min(there, key=lambda c: c.rmse, default=None)
         return best.fit if best else evidence.refitted_without(chosen.fit, index)
 
-    least = min(left(others(index)) for index in range(len(chosen.names)))
-    return left(chosen.fit) <= (1.0 - evidence.rules.part) * least
+    without = [others(index) for index in range(len(chosen.names))]
+
+    def removes(part: float, error: Callable[[Fit], float]) -> bool:
+        left, *least = (misfit(error(each), evidence.floor) for each in (chosen.fit, *without))
+        return left <= (1.0 - part) * min(least)
+
+    if removes(rules.part, lambda fitted: evidence.held_out.rmse(fitted, chosen.fit)):
+        return True
+    complete = chosen.rmse <= rules.grow * evidence.stated_floor
+    extended = chosen.fit.extended
+    if not complete or transferable(extended) or has_course_of_reading(extended):
+        return False
+    return removes(rules.second, lambda fitted: evidence.problem.seen_rmse(fitted.residual))

@@ -62,6 +62,12 @@ def transferable(extended: ExtendedSimulation) -> bool:
     return all(a.effect.transferable for a in extended.attached)
 
 
+def has_course_of_reading(extended: ExtendedSimulation) -> bool:
+    """Return whether an effect is a course in time of the reading alone, as a drift or hum is."""
+    laws = (a.effect for a in extended.attached)
+    return any(law.only_reads and not law.transferable for law in laws)
+
+
 def certify_elsewhere(
     others: Mapping[str, Samples], nominal: Fit, extended: Fit
 ) -> dict[str, Certified]:
