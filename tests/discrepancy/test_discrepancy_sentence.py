@@ -10,6 +10,7 @@ from dea.discrepancy.decision import Decision, Reason, Status
 from dea.discrepancy.evidence.certificate import Certificate, Certified
 from dea.discrepancy.evidence.localisation import Band, Concentration, Localisation
 from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.evidence.modulation import ModulatedWave
 from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.unknown_force import UnknownForce
@@ -85,7 +86,8 @@ NOISE_REMAINS = " What remains, 5 noise floors, looks like coloured noise."
 def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coloured=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
-    effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
+    effects=None, families=None, equation=NO_EQUATION, force=None, modulated=None, pool=(),
+    apart=3.0,
     slowest=9.0, closest=1, records=1, residual=SMOOTH, decimation=1, gap=0.3, seen=0.011,
     timing_deviation=0.05, weighed=(),
 ):  # fmt: skip
@@ -104,6 +106,7 @@ def found(
         certificate=Certificate(Certified(*block, 100), {}),
         unexplained=equation,
         force=force,
+        modulated=modulated,
         pool=pool,
         where=SimpleNamespace(before=concentrated(0.3), after=concentrated(0.02)),
         nominal=fit,
@@ -902,3 +905,12 @@ def test_a_force_that_no_effect_has_is_described_where_nothing_is_named(status, 
     )
     assert (expected in text) is told
     assert ("accuracy=0.05)`" in text) is not told
+
+
+def test_a_wave_that_follows_the_motion_is_told_where_nothing_is_named():
+    wave = ModulatedWave(("periodic_disturbance",), 2.3931)
+    told_of = found(Status.UNKNOWN, reason=Reason.UNEXPLAINED, share=None, modulated=wave)
+    assert (
+        "What `periodic_disturbance` leaves is a wave of 2.39 Hz that grows and falls with input "
+        "and motion: a property of the device may change at that frequency."
+    ) in sentence(told_of)

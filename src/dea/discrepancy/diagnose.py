@@ -33,6 +33,7 @@ from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import most_visible
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
+from dea.discrepancy.evidence.modulation import modulated_wave
 from dea.discrepancy.evidence.null import null_gain
 from dea.discrepancy.evidence.occam import log_prior, log_volume
 from dea.discrepancy.evidence.presence import (
@@ -183,6 +184,7 @@ def diagnose(
     )
     noisy = problem.with_noise(evidence.floor)
     rungs = ladder(evidence, nominal, final, pool)
+    nameless = decision.status is Status.UNKNOWN
     visible = (most_visible(noisy, nominal, c.fit, rules.detectable) for c in singles)
     return Diagnosis(
         problem=noisy,
@@ -197,7 +199,8 @@ def diagnose(
         ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
         where=where,
         unexplained=residual_model(problem, final.residual),
-        force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
+        force=unknown_force(problem, nominal) if nameless else None,
+        modulated=modulated_wave(problem, pool, rules) if nameless else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=certificate,
         noise_floor=white,

@@ -13,6 +13,7 @@ from dea.discrepancy.evidence.contributions import Contribution, Rung
 from dea.discrepancy.evidence.identifiability import Visibility
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.evidence.modulation import ModulatedWave
 from dea.discrepancy.evidence.presence import Presence, Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.uncertainty import Uncertainty, uncertainty
@@ -89,6 +90,8 @@ class Findings:
         Part of the held-out misfit that the extension removes; none where nothing is attached.
     force
         The smooth force that predicts most of the simulation's residual, where that is unknown.
+    modulated
+        The wave that a disturbance leaves, changed by the motion, where the effects are unknown.
     rules
         Thresholds that the decision was made with.
     not_offered
@@ -108,6 +111,7 @@ class Findings:
     where: Where
     unexplained: ResidualModel
     force: UnknownForce | None
+    modulated: ModulatedWave | None
     confusion: Confusion
     certificate: Certificate
     noise_floor: float

@@ -9,6 +9,7 @@ import numpy as np
 from dea.discrepancy.decision.adequacy import share_of
 from dea.discrepancy.evidence.certificate import has_course_of_reading, transferable
 from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.modulation import follows_motion
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.fitting.candidates import Candidate, EffectSet
 from dea.discrepancy.fitting.fit import Fit
@@ -32,7 +33,8 @@ def certain_part(
     or, if that is allowed, ``with_others``, as part of that explanation. In that case they must
     surely remove some of it by themselves, the best one without them must leave much more, whatever
     its families, and none may be a course in time, which follows whatever else is slow. A larger
-    certain set is returned where it passes for its further effects.
+    certain set is taken where it passes for its further effects. What it leaves may not be the wave
+    of a disturbance in it, changed by the motion: then that is no disturbance.
     """
     sure = weighed.sure(evidence.rules.certain)
     finished = [c for c in pool if c.finished]
@@ -44,7 +46,8 @@ def certain_part(
     if part is None:
         return None
     wider = (c for c in certain if c.effects > part.effects and tests.needed(c, part.effects))
-    return next(wider, part)
+    named = next(wider, part)
+    return None if follows_motion(evidence.problem, named.fit, evidence.rules) else named
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def remarks(found: Findings) -> tuple[str, ...]:
     # What a force would cause is no error to live with, and neither is what priors exclude.
     rest = "" if found.decision.freed is not None else _force(found) or _noise(found)
     about_record = _rare(found), _outliers(found), _close(found)
-    about_laws = _excluded(found), _laws(found)
+    about_laws = _excluded(found), _laws(found), _modulated(found)
     texts = _timing(found), _dated(found), *about_laws, rest, *about_record, _bounds(found)
     return tuple(text for text in texts if text)
 
@@ -206,6 +206,18 @@ def _laws(found: Findings) -> str:
     ends = {law: "its bound" if len(names) == 1 else "their bounds" for law, names in away.items()}
     told = [f"{law} has its {' and '.join(names)} at {ends[law]}" for law, names in away.items()]
     return f"{' and '.join(told)}, which counts against {'it' if len(told) == 1 else 'them'}."
+
+
+def _modulated(found: Findings) -> str:
+    """Say that what looks like a disturbance grows and falls with the motion."""
+    wave = found.modulated
+    if wave is None:
+        return ""
+    return (
+        f"What {labels_in_words(wave.names)} leaves is a wave of {wave.frequency:.3g} Hz that "
+        "grows and falls with input and motion: a property of the device may change at that "
+        "frequency."
+    )
 
 
 def _force(found: Findings) -> str:
