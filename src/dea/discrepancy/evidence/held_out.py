@@ -56,7 +56,8 @@ class HeldOut:
         """Return standard deviations (k,) of the coordinates by the jackknife over the folds.
 
         They hold whatever the colour of the residual, and where the law is not quite right
-        (Tukey 1958, Annals of Mathematical Statistics 29:614).
+        (Tukey 1958, Annals of Mathematical Statistics 29:614). They say little of a coordinate
+        that one block alone tells, which does not move without it.
         """
         self.residual(fitted)
         return self._spread[fitted, _has_course(fitted)]
