@@ -447,13 +447,15 @@ def test_a_campaign_that_is_ended_ends_its_tests(project, when, tmp_path):
         f"m.ROOT = pathlib.Path({str(project)!r}); "
         "m.main(['--count', '1', '--cores', '1', '--room', 'terms'])"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", program], cwd=ROOT, stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+    printed = tmp_path / "printed"
+    with printed.open("w") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-c", program], cwd=ROOT, stdout=output, stderr=subprocess.STDOUT
+        )
     try:
         said = tmp_path / "process"
-        until(lambda: said.exists() and said.read_text(), 60.0)
+        until(lambda: process.poll() is not None or (said.exists() and said.read_text()), 60.0)
+        assert process.poll() is None, printed.read_text()
         process.terminate()
         assert process.wait(10.0) == 128 + signal.SIGTERM
         until(lambda: not alive(int(said.read_text())), 5.0)
