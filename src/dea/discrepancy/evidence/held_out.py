@@ -74,31 +74,29 @@ class HeldOut:
     def _cross_validated(self, fitted: Fit, short: bool) -> tuple[np.ndarray, np.ndarray]:
         result = fitted.residual.copy()
         estimates = []
+        layout, seen = fitted.extended.layout, self._problem.seen
+        by_all = self._variances(fitted, seen)
         for fold in folds(self._problem, fitted.records if short else ()):
+            hardly_told = self._variances(fitted, seen & ~fold) > _UNTOLD**2 * by_all
+            untold = layout.at_start | layout.events | hardly_told
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
                 fitted.coordinates,
                 iterations=_ITERATIONS,
-                columns=Columns(held=_untold(self._problem, fitted, fold), kept=fitted.jacobian),
+                columns=Columns(held=untold, kept=fitted.jacobian),
             )
             result[fold] = again.residual[fold]
             estimates.append(again.coordinates)
         return result, np.sqrt(max(len(estimates) - 1, 0)) * np.std(estimates, axis=0)
 
+    def _variances(self, fitted: Fit, samples: np.ndarray) -> np.ndarray:
+        """Return the variances (k,) of the coordinates by some ``samples`` (n, bool)."""
+        return fitted.covariance(samples, self._problem.noise**2).diagonal()
+
 
 def _has_course(fitted: Fit) -> bool:
     return not transferable(fitted.extended)
-
-
-def _untold(problem: Problem, fitted: Fit, fold: np.ndarray) -> np.ndarray:
-    """Return the coordinates (k, bool) that the seen samples outside a ``fold`` do not tell."""
-    layout, seen = fitted.extended.layout, problem.seen
-    by_others, by_all = (
-        np.diag(fitted.covariance(samples, problem.noise**2)) for samples in (seen & ~fold, seen)
-    )
-    untold: np.ndarray = layout.at_start | layout.events | (by_others > _UNTOLD**2 * by_all)
-    return untold
 
 
 def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
